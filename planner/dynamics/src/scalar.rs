@@ -1,0 +1,110 @@
+//! Scalars of the emitted code.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+use num_traits::{One, Zero};
+
+/// A scalar that emitted code can compute with: f64, f32, dual numbers, lanes of several samples.
+/// No ordering: emitted code is branch-free.
+///
+/// f32 and f64 call the `libm` crate on every target, so that host and microcontroller agree to the
+/// last bit.
+pub trait Real:
+    Copy
+    + PartialEq
+    + Debug
+    + 'static
+    + Zero
+    + One
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + DivAssign
+{
+    /// The nearest value to a double.
+    fn from_f64(value: f64) -> Self;
+    /// Sine and cosine, radians.
+    fn sin_cos(self) -> (Self, Self);
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Exponential.
+    fn exp(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+    /// Arc sine.
+    fn asin(self) -> Self;
+    /// Arc cosine.
+    fn acos(self) -> Self;
+    /// Arc tangent.
+    fn atan(self) -> Self;
+    /// Angle of the point (x, self) = (x, y).
+    fn atan2(self, x: Self) -> Self;
+}
+
+/// A scalar with an order, for planners and controllers.
+pub trait Ordered: Real + PartialOrd {
+    /// As a double.
+    fn to_f64(self) -> f64;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool {
+        self.to_f64().is_finite()
+    }
+}
+
+macro_rules! float {
+    ($t:ty, $sincos:ident, $sqrt:ident, $exp:ident, $ln:ident, $asin:ident, $acos:ident, $atan:ident, $atan2:ident) => {
+        impl Real for $t {
+            #[inline]
+            #[allow(clippy::cast_possible_truncation)]
+            fn from_f64(value: f64) -> Self {
+                value as $t
+            }
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                libm::$sincos(self)
+            }
+            #[inline]
+            fn sqrt(self) -> Self {
+                libm::$sqrt(self)
+            }
+            #[inline]
+            fn exp(self) -> Self {
+                libm::$exp(self)
+            }
+            #[inline]
+            fn ln(self) -> Self {
+                libm::$ln(self)
+            }
+            #[inline]
+            fn asin(self) -> Self {
+                libm::$asin(self)
+            }
+            #[inline]
+            fn acos(self) -> Self {
+                libm::$acos(self)
+            }
+            #[inline]
+            fn atan(self) -> Self {
+                libm::$atan(self)
+            }
+            #[inline]
+            fn atan2(self, x: Self) -> Self {
+                libm::$atan2(self, x)
+            }
+        }
+        impl Ordered for $t {
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+        }
+    };
+}
+
+float!(f64, sincos, sqrt, exp, log, asin, acos, atan, atan2);
+float!(f32, sincosf, sqrtf, expf, logf, asinf, acosf, atanf, atan2f);

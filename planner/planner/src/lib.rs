@@ -1,0 +1,3 @@
+//! (in work)
+#![no_std]
+#![forbid(unsafe_code)]

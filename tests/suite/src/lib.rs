@@ -1,0 +1,2 @@
+//! (in work)
+#![forbid(unsafe_code)]
