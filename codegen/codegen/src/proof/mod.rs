@@ -1,0 +1,5 @@
+//! The structure proof.
+
+/// What was proved about a model.
+#[derive(Clone, Debug)]
+pub struct Certificate {}
