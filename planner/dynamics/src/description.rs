@@ -135,9 +135,24 @@ pub struct Description {
 }
 
 impl Description {
+    /// The coordinates of q_x.
+    pub fn position_coordinates(&self) -> &[Coordinate] {
+        self.coordinates
+            .get(..self.position_count)
+            .unwrap_or(self.coordinates)
+    }
+
+    /// The coordinates of q_s.
+    pub fn shape_coordinates(&self) -> &[Coordinate] {
+        self.coordinates.get(self.position_count..).unwrap_or(&[])
+    }
+
     /// Index in q_s of the shape coordinates without an actuator.
     pub fn unactuated_shape(&self) -> impl Iterator<Item = usize> + '_ {
-        let shape = self.coordinates.get(self.position_count..).unwrap_or(&[]);
-        shape.iter().enumerate().filter(|(_, c)| !c.actuated).map(|(i, _)| i)
+        self.shape_coordinates()
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| !c.actuated)
+            .map(|(i, _)| i)
     }
 }

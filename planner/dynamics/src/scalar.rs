@@ -54,6 +54,19 @@ pub trait Ordered: Real + PartialOrd {
     fn is_finite(self) -> bool {
         self.to_f64().is_finite()
     }
+    /// Magnitude; NaN stays NaN.
+    fn abs(self) -> Self {
+        if self < Self::zero() { -self } else { self }
+    }
+    /// Distance from one to the next larger value: the unit that tolerances are counted in.
+    fn epsilon() -> Self {
+        let half = Self::from_f64(0.5);
+        let mut epsilon = Self::one();
+        while Self::one() + epsilon * half > Self::one() {
+            epsilon *= half;
+        }
+        epsilon
+    }
 }
 
 macro_rules! float {
@@ -101,6 +114,10 @@ macro_rules! float {
             #[inline]
             fn to_f64(self) -> f64 {
                 f64::from(self)
+            }
+            #[inline]
+            fn epsilon() -> Self {
+                <$t>::EPSILON
             }
         }
     };

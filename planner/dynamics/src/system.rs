@@ -52,11 +52,8 @@ pub trait LagrangianSystem<T: Real, const N: usize> {
     fn mass_matrix_jacobian(&self, q: &SVector<T, N>) -> [SMatrix<T, N, N>; N];
 
     /// ∂(C q̇)/∂q, entry (i, l) = ∂(C q̇)_i/∂q_l.
-    fn coriolis_vector_jacobian_q(
-        &self,
-        q: &SVector<T, N>,
-        qd: &SVector<T, N>,
-    ) -> SMatrix<T, N, N>;
+    fn coriolis_vector_jacobian_q(&self, q: &SVector<T, N>, qd: &SVector<T, N>)
+    -> SMatrix<T, N, N>;
 
     /// ∂(C q̇)/∂q̇.
     fn coriolis_vector_jacobian_qd(
@@ -154,11 +151,8 @@ pub trait ShapeAccelerated<T: Real, const NX: usize, const NS: usize> {
     fn output_jacobian_position(&self) -> SMatrix<T, NX, NX>;
 
     /// ∂h/∂q_s.
-    fn output_jacobian_shape(
-        &self,
-        qx: &SVector<T, NX>,
-        qs: &SVector<T, NS>,
-    ) -> SMatrix<T, NX, NS>;
+    fn output_jacobian_shape(&self, qx: &SVector<T, NX>, qs: &SVector<T, NS>)
+    -> SMatrix<T, NX, NS>;
 
     /// Names, units, ranges, actuators and shape sets.
     fn shape_description(&self) -> &Description;
@@ -183,6 +177,9 @@ pub trait Robot<T: Real, const N: usize, const NX: usize, const NS: usize>:
         Self: Sized,
     {
         const { assert!(N == NX + NS, "N must be NX + NS") };
-        (SVector::from_fn(|i, _| q[i]), SVector::from_fn(|i, _| q[NX + i]))
+        (
+            SVector::from_fn(|i, _| q[i]),
+            SVector::from_fn(|i, _| q[NX + i]),
+        )
     }
 }

@@ -1,0 +1,219 @@
+//! What the gain is chosen to minimise, and its linearisation.
+
+use crate::Error;
+use crate::integrate::{Accelerated, DoubleIntegral, Integrated, Linear};
+use crate::levenberg_marquardt::NormalEquations;
+use crate::linear_algebra::column;
+use crate::motion::DesiredMotion;
+use crate::plan::PlanPoint;
+use crate::reference::{Desired, Grid, OutputMap};
+use nalgebra::{SMatrix, SVector};
+use shapebot_dynamics::{Ordered, ShapeAccelerated};
+
+/// The sum of squares that a plan's gain minimises, over all samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Objective {
+    /// Σ ‖h(q_x^p, q_s^p) − x^d‖²: the output's distance from its desired position, m². This is what
+    /// Sec. IV-F says was minimised, taken where the task is.
+    #[default]
+    Output,
+    /// Σ ‖∂h/∂q_x (q_x^p − q_x^d)‖²: the same for the position coordinates alone, scaled to the
+    /// output's unit (for a ballbot the ball's angle instead of its centre), m².
+    Position,
+    /// Σ ‖q̈_x^p − q̈_x^d‖²: Eq. 33 to the letter, in units of q̈_x. Small errors of the acceleration add
+    /// up: it tracks the desired position worse than K⁰ does.
+    Acceleration,
+}
+
+/// The choice of S in K = K⁰ S that minimises the objective.
+///
+/// With S square of size n_x the shape sets keep the proportions that K⁰ gives them, however many
+/// there are; free entries of K would lose the weights.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GainProblem<
+    'a,
+    R: ?Sized,
+    M: ?Sized,
+    T: Ordered,
+    const NX: usize,
+    const NS: usize,
+> {
+    pub(crate) robot: &'a R,
+    pub(crate) motion: &'a M,
+    pub(crate) map: OutputMap<T, NX>,
+    pub(crate) grid: Grid<T>,
+    pub(crate) initial_gain: SMatrix<T, NS, NX>,
+    pub(crate) objective: Objective,
+}
+
+/// A vector with its derivatives by the entries of S: `by_factor[i][j]` is ∂/∂S_ij.
+#[derive(Clone, Copy, Debug)]
+struct Sensitive<T: Ordered, const NX: usize> {
+    value: SVector<T, NX>,
+    by_factor: ByFactor<T, NX>,
+}
+
+type ByFactor<T, const NX: usize> = [[SVector<T, NX>; NX]; NX];
+
+impl<T: Ordered, const NX: usize> Sensitive<T, NX> {
+    /// A vector that does not depend on S.
+    fn constant(value: SVector<T, NX>) -> Self {
+        Self {
+            value,
+            by_factor: [[SVector::zeros(); NX]; NX],
+        }
+    }
+}
+
+impl<T: Ordered, const NX: usize> Linear<T> for Sensitive<T, NX> {
+    fn plus(mut self, factor: T, other: &Self) -> Self {
+        self.value += other.value * factor;
+        for (row, others) in self.by_factor.iter_mut().zip(&other.by_factor) {
+            for (entry, other) in row.iter_mut().zip(others) {
+                *entry += other * factor;
+            }
+        }
+        self
+    }
+}
+
+/// One sample of the plan under trial.
+#[derive(Clone, Copy, Debug)]
+struct Sample<T: Ordered, const NX: usize, const NS: usize> {
+    plan: PlanPoint<T, NX, NS>,
+    acceleration: Sensitive<T, NX>,
+}
+
+impl<T: Ordered, const NX: usize, const NS: usize> Accelerated<T> for Sample<T, NX, NS> {
+    type Acceleration = Sensitive<T, NX>;
+    fn acceleration(&self) -> &Self::Acceleration {
+        &self.acceleration
+    }
+}
+
+impl<T, R, M, const NX: usize, const NS: usize> GainProblem<'_, R, M, T, NX, NS>
+where
+    T: Ordered,
+    R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    M: DesiredMotion<T, NX> + ?Sized,
+{
+    /// The objective linearised at S, in one pass over the samples.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NonFinite`] with the first sample that is not finite.
+    pub(crate) fn linearise(
+        &self,
+        factor: &SMatrix<T, NX, NX>,
+    ) -> Result<NormalEquations<T, NX, NX>, Error> {
+        let gain = self.initial_gain * factor;
+        let start = self.desired(0).position;
+        let trajectory = DoubleIntegral::new(
+            self.grid.count,
+            self.grid.step(),
+            Sensitive::constant(start[1]),
+            Sensitive::constant(start[0]),
+            |index| self.sample(&gain, index),
+        );
+        let mut equations = NormalEquations::default();
+        for node in trajectory {
+            let (residual, by_factor) = self.residual(&node);
+            equations.add(&residual, &by_factor);
+            if !equations.is_finite() {
+                return Err(self.blame(&node.sample));
+            }
+        }
+        Ok(equations)
+    }
+
+    fn desired(&self, index: usize) -> Desired<T, NX> {
+        self.map
+            .desired(self.motion.derivatives(self.grid.time(index)))
+    }
+
+    /// Γ along q_s = K a with its derivatives by S: ∂q_s/∂S_ij is column i of K⁰ times a_j, and so
+    /// for the rates with a's derivatives (Eqs. 31 and 32).
+    fn sample(&self, gain: &SMatrix<T, NS, NX>, index: usize) -> Sample<T, NX, NS> {
+        let plan = PlanPoint::new(self.grid.time(index), self.desired(index), gain);
+        let response =
+            self.robot
+                .response(&plan.shape, &plan.shape_velocity, &plan.shape_acceleration);
+        let by_shape = response.d_qs * self.initial_gain;
+        let by_rate = response.d_qsd * self.initial_gain;
+        let by_acceleration = response.d_qsdd * self.initial_gain;
+        let [_, _, a, da, dda] = &plan.desired.position;
+        let by_factor = core::array::from_fn(|i| {
+            core::array::from_fn(|j| {
+                column(&by_shape, i) * a[j]
+                    + column(&by_rate, i) * da[j]
+                    + column(&by_acceleration, i) * dda[j]
+            })
+        });
+        Sample {
+            plan,
+            acceleration: Sensitive {
+                value: response.gamma,
+                by_factor,
+            },
+        }
+    }
+
+    /// The residual of one sample and its derivatives by S.
+    fn residual(
+        &self,
+        node: &Integrated<Sample<T, NX, NS>, Sensitive<T, NX>>,
+    ) -> (SVector<T, NX>, ByFactor<T, NX>) {
+        let PlanPoint { shape, desired, .. } = &node.sample.plan;
+        let position = &node.position;
+        let scaled = || {
+            position
+                .by_factor
+                .map(|row| row.map(|x| self.map.jacobian * x))
+        };
+        match self.objective {
+            Objective::Acceleration => {
+                let acceleration = &node.sample.acceleration;
+                (
+                    acceleration.value - desired.position[2],
+                    acceleration.by_factor,
+                )
+            }
+            Objective::Position => (
+                self.map.jacobian * (position.value - desired.position[0]),
+                scaled(),
+            ),
+            Objective::Output => {
+                let through_shape =
+                    self.robot.output_jacobian_shape(&position.value, shape) * self.initial_gain;
+                let mut by_factor = scaled();
+                for (i, row) in by_factor.iter_mut().enumerate() {
+                    for (j, entry) in row.iter_mut().enumerate() {
+                        *entry += column(&through_shape, i) * desired.position[2][j];
+                    }
+                }
+                (
+                    self.robot.output(&position.value, shape) - desired.output[0],
+                    by_factor,
+                )
+            }
+        }
+    }
+
+    /// Which quantity of a sample is not finite.
+    fn blame(&self, sample: &Sample<T, NX, NS>) -> Error {
+        let finite = |v: &SVector<T, NX>| v.iter().all(|x| x.is_finite());
+        let quantity = if !sample.plan.desired.output.iter().all(finite) {
+            "desired motion"
+        } else if !finite(&sample.acceleration.value) {
+            "acceleration response"
+        } else if !sample.acceleration.by_factor.iter().flatten().all(finite) {
+            "Jacobian of the acceleration response"
+        } else {
+            "objective"
+        };
+        Error::NonFinite {
+            quantity,
+            time: sample.plan.time.to_f64(),
+        }
+    }
+}

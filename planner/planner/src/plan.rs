@@ -1,0 +1,262 @@
+//! Plans: what the planner hands out.
+
+use crate::Error;
+use crate::integrate::{Accelerated, DoubleIntegral};
+use crate::levenberg_marquardt::Termination;
+use crate::linear_algebra::{largest, norm};
+use crate::motion::DesiredMotion;
+use crate::reference::{Desired, Grid, OutputMap};
+use nalgebra::{SMatrix, SVector};
+use shapebot_dynamics::{Coordinate, Ordered, ShapeAccelerated};
+
+/// A plan at one time. Evaluating it takes no dynamics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanPoint<T: Ordered, const NX: usize, const NS: usize> {
+    /// Time since the motion's start, seconds.
+    pub time: T,
+    /// The desired motion.
+    pub desired: Desired<T, NX>,
+    /// q_s^p = K q̈_x^d (Eq. 31), in the units of the shape coordinates.
+    pub shape: SVector<T, NS>,
+    /// q̇_s^p = K d³q_x^d/dt³.
+    pub shape_velocity: SVector<T, NS>,
+    /// q̈_s^p = K d⁴q_x^d/dt⁴.
+    pub shape_acceleration: SVector<T, NS>,
+}
+
+impl<T: Ordered, const NX: usize, const NS: usize> PlanPoint<T, NX, NS> {
+    pub(crate) fn new(time: T, desired: Desired<T, NX>, gain: &SMatrix<T, NS, NX>) -> Self {
+        let [_, _, a, da, dda] = &desired.position;
+        Self {
+            time,
+            shape: gain * a,
+            shape_velocity: gain * da,
+            shape_acceleration: gain * dda,
+            desired,
+        }
+    }
+}
+
+/// One sample of the motion that follows from tracking a plan's shape exactly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row<T: Ordered, const NX: usize, const NS: usize> {
+    /// The plan.
+    pub plan: PlanPoint<T, NX, NS>,
+    /// q_x^p.
+    pub position: SVector<T, NX>,
+    /// q̇_x^p.
+    pub velocity: SVector<T, NX>,
+    /// q̈_x^p = Γ(q_s^p, q̇_s^p, q̈_s^p), Eq. 32.
+    pub acceleration: SVector<T, NX>,
+    /// h(q_x^p, q_s^p), in the output's unit (metres).
+    pub output: SVector<T, NX>,
+}
+
+impl<T: Ordered, const NX: usize, const NS: usize> Row<T, NX, NS> {
+    /// Where the output is, relative to where it is desired: h(q_x^p, q_s^p) − x^d.
+    pub fn output_error(&self) -> SVector<T, NX> {
+        self.output - self.plan.desired.output[0]
+    }
+
+    /// Which quantity is not finite, if any.
+    fn check_finite(&self) -> Result<(), Error> {
+        let finite = |v: &SVector<T, NX>| v.iter().all(|x| x.is_finite());
+        let quantity = if !self.plan.desired.output.iter().all(finite) {
+            "desired motion"
+        } else if !finite(&self.acceleration) {
+            "acceleration response"
+        } else if !finite(&self.position) || !finite(&self.output) {
+            "planned motion"
+        } else {
+            return Ok(());
+        };
+        Err(Error::NonFinite {
+            quantity,
+            time: self.plan.time.to_f64(),
+        })
+    }
+
+    /// Whether every coordinate is in its declared range.
+    fn check_ranges(&self, positions: &[Coordinate], shapes: &[Coordinate]) -> Result<(), Error> {
+        let position = positions.iter().zip(self.position.iter());
+        let shape = shapes.iter().zip(self.plan.shape.iter());
+        for (coordinate, value) in position.chain(shape) {
+            let value = value.to_f64();
+            if !(coordinate.lower..=coordinate.upper).contains(&value) {
+                return Err(Error::OutOfRange {
+                    coordinate: coordinate.name,
+                    unit: coordinate.unit,
+                    time: self.plan.time.to_f64(),
+                    value,
+                    lower: coordinate.lower,
+                    upper: coordinate.upper,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Sample<T: Ordered, const NX: usize, const NS: usize> {
+    plan: PlanPoint<T, NX, NS>,
+    acceleration: SVector<T, NX>,
+}
+
+impl<T: Ordered, const NX: usize, const NS: usize> Accelerated<T> for Sample<T, NX, NS> {
+    type Acceleration = SVector<T, NX>;
+    fn acceleration(&self) -> &Self::Acceleration {
+        &self.acceleration
+    }
+}
+
+/// How well a plan does, over its samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Report<T: Ordered, const NS: usize> {
+    /// The objective's value at K.
+    pub cost: T,
+    /// The objective's value at K⁰.
+    pub initial_cost: T,
+    /// Eq. 33 at K: Σ ‖q̈_x^p − q̈_x^d‖².
+    pub acceleration_cost: T,
+    /// Root of the mean squared ‖h(q_x^p, q_s^p) − x^d‖, metres.
+    pub output_rmse: T,
+    /// The largest ‖h(q_x^p, q_s^p) − x^d‖, metres.
+    pub output_max_error: T,
+    /// ‖h(q_x^p, q_s^p) − x^d‖ at the end, metres.
+    pub output_end_error: T,
+    /// Root of the mean squared ‖q_x^p − q_x^d‖, in the unit of the position coordinates.
+    pub position_rmse: T,
+    /// The largest |q_s^p| of each shape coordinate.
+    pub peak_shape: SVector<T, NS>,
+    /// Steps that the optimiser tried.
+    pub iterations: usize,
+    /// Evaluations of Γ, with or without its Jacobians.
+    pub evaluations: usize,
+    /// Why the optimiser ended.
+    pub termination: Termination,
+}
+
+/// A shape trajectory that is a constant gain times a desired acceleration (Eq. 31).
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a, M: ?Sized, T: Ordered, const NX: usize, const NS: usize> {
+    pub(crate) motion: &'a M,
+    pub(crate) map: OutputMap<T, NX>,
+    pub(crate) samples: usize,
+    pub(crate) initial_gain: SMatrix<T, NS, NX>,
+    pub(crate) factor: SMatrix<T, NX, NX>,
+    pub(crate) gain: SMatrix<T, NS, NX>,
+    pub(crate) report: Report<T, NS>,
+}
+
+impl<'a, M, T, const NX: usize, const NS: usize> Plan<'a, M, T, NX, NS>
+where
+    M: DesiredMotion<T, NX> + ?Sized,
+    T: Ordered,
+{
+    /// The desired motion that the plan follows.
+    pub fn motion(&self) -> &'a M {
+        self.motion
+    }
+
+    /// K_qx = K⁰_qx S. Along a straight line only its product with the line's direction means
+    /// anything: across it, K is still K⁰.
+    pub fn gain(&self) -> &SMatrix<T, NS, NX> {
+        &self.gain
+    }
+
+    /// K⁰_qx, where the optimiser began (Eq. 24).
+    pub fn initial_gain(&self) -> &SMatrix<T, NS, NX> {
+        &self.initial_gain
+    }
+
+    /// S, what the optimiser changed: 1 at K⁰.
+    pub fn factor(&self) -> &SMatrix<T, NX, NX> {
+        &self.factor
+    }
+
+    /// Number of samples that the plan was made with.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// How well the plan does.
+    pub fn report(&self) -> &Report<T, NS> {
+        &self.report
+    }
+
+    /// The plan at time `t`, seconds. Before the start and after the end the shape is at rest.
+    pub fn at(&self, t: T) -> PlanPoint<T, NX, NS> {
+        PlanPoint::new(t, self.map.desired(self.motion.derivatives(t)), &self.gain)
+    }
+
+    /// The motion of `robot` when it tracks the planned shape exactly, at `samples` equidistant times
+    /// from start to end: Γ integrated twice from the desired initial position and velocity.
+    ///
+    /// `robot` may be another than the one planned for, to see what a wrong parameter does. Nothing is
+    /// checked along the way: the rows of an unsuitable robot need not be finite.
+    ///
+    /// # Errors
+    ///
+    /// Fewer than [`MIN_SAMPLES`](crate::MIN_SAMPLES) samples.
+    pub fn rows<'s, R>(
+        &'s self,
+        robot: &'s R,
+        samples: usize,
+    ) -> Result<impl ExactSizeIterator<Item = Row<T, NX, NS>> + 's, Error>
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    {
+        let grid = Grid::new(self.motion, samples)?;
+        let start = self.at(grid.time(0)).desired.position;
+        let sample = move |index| {
+            let plan = self.at(grid.time(index));
+            let acceleration =
+                robot.gamma(&plan.shape, &plan.shape_velocity, &plan.shape_acceleration);
+            Sample { plan, acceleration }
+        };
+        let trajectory = DoubleIntegral::new(samples, grid.step(), start[1], start[0], sample);
+        Ok(trajectory.map(|node| Row {
+            output: robot.output(&node.position, &node.sample.plan.shape),
+            position: node.position,
+            velocity: node.velocity,
+            acceleration: node.sample.acceleration,
+            plan: node.sample.plan,
+        }))
+    }
+
+    /// Fills the report's errors and peaks from the plan's samples.
+    pub(crate) fn survey<R>(&mut self, robot: &R) -> Result<(), Error>
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    {
+        let description = robot.shape_description();
+        let (positions, shapes) = (
+            description.position_coordinates(),
+            description.shape_coordinates(),
+        );
+        let mut report = self.report;
+        let (mut output_squares, mut position_squares) = (T::zero(), T::zero());
+        for row in self.rows(robot, self.samples)? {
+            row.check_finite()?;
+            row.check_ranges(positions, shapes)?;
+            let desired = &row.plan.desired.position;
+            let (output, position) = (row.output_error(), row.position - desired[0]);
+            let acceleration = row.acceleration - desired[2];
+            output_squares += output.dot(&output);
+            position_squares += position.dot(&position);
+            report.acceleration_cost += acceleration.dot(&acceleration);
+            report.output_end_error = norm(&output);
+            report.output_max_error = largest([report.output_max_error, norm(&output)]);
+            report.peak_shape = report
+                .peak_shape
+                .zip_map(&row.plan.shape, |a, b| largest([a, b]));
+            report.evaluations += 1;
+        }
+        let count = T::from_f64(self.samples as f64);
+        report.output_rmse = (output_squares / count).sqrt();
+        report.position_rmse = (position_squares / count).sqrt();
+        self.report = report;
+        Ok(())
+    }
+}

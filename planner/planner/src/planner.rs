@@ -1,0 +1,197 @@
+//! Algorithm 1 without additional shape constraints.
+
+use crate::Error;
+use crate::gain::Weighting;
+use crate::levenberg_marquardt::LevenbergMarquardt;
+use crate::motion::DesiredMotion;
+use crate::objective::{GainProblem, Objective};
+use crate::plan::{Plan, Report};
+use crate::reference::{Grid, OutputMap};
+use nalgebra::{SMatrix, SVector};
+use shapebot_dynamics::{Ordered, ShapeAccelerated};
+
+/// What is to be planned, and how.
+///
+/// ```
+/// # use shapebot_planner::{Objective, Task, Weighting, motion::Line};
+/// let line = Line::new([0.0, 0.0].into(), [2.0, 0.0].into(), 5.0, 9)?;
+/// // A ballbot with arms: nothing from the left and the right arm, all from the body.
+/// let task = Task::<_, _, 6>::new(&line, 501)
+///     .weighting(Weighting::Contributions(&[0.0, 0.0, 1.0]))
+///     .objective(Objective::Position);
+/// # Ok::<(), shapebot_planner::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Task<'a, M: ?Sized, T: Ordered, const NS: usize> {
+    /// The desired motion of the output.
+    pub motion: &'a M,
+    /// Number of equidistant samples, both ends included, at least [`MIN_SAMPLES`](crate::MIN_SAMPLES).
+    pub samples: usize,
+    /// How the shape variables share the work.
+    pub weighting: Weighting<'a, T, NS>,
+    /// What is minimised.
+    pub objective: Objective,
+    /// How.
+    pub optimiser: LevenbergMarquardt<T>,
+}
+
+impl<M: ?Sized, T: Ordered, const NS: usize> Clone for Task<'_, M, T, NS> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M: ?Sized, T: Ordered, const NS: usize> Copy for Task<'_, M, T, NS> {}
+
+impl<'a, M: ?Sized, T: Ordered, const NS: usize> Task<'a, M, T, NS> {
+    /// A desired motion and its number of samples; all else at its default.
+    pub fn new(motion: &'a M, samples: usize) -> Self {
+        Self {
+            motion,
+            samples,
+            weighting: Weighting::default(),
+            objective: Objective::default(),
+            optimiser: LevenbergMarquardt::default(),
+        }
+    }
+
+    /// The task with another weighting.
+    #[must_use]
+    pub fn weighting(self, weighting: Weighting<'a, T, NS>) -> Self {
+        Self { weighting, ..self }
+    }
+
+    /// The task with another objective.
+    #[must_use]
+    pub fn objective(self, objective: Objective) -> Self {
+        Self { objective, ..self }
+    }
+
+    /// The task with other settings of the optimiser.
+    #[must_use]
+    pub fn optimiser(self, optimiser: LevenbergMarquardt<T>) -> Self {
+        Self { optimiser, ..self }
+    }
+}
+
+/// Plans a shape trajectory for a desired motion of the robot's output: Algorithm 1 with the gain
+/// sought as K = K⁰ S.
+///
+/// Each step of the optimiser evaluates Γ with its Jacobians once per sample; a last pass without
+/// Jacobians fills the report. No heap, and stack in proportion to n_x² n_s, not to the samples.
+///
+/// # Errors
+///
+/// - [`Error::Invalid`] and its kin: a task that makes no sense.
+/// - [`Error::Length`]: a robot whose description does not fit its dimensions.
+/// - [`Error::Singular`], [`Error::UselessShapeSet`]: a robot whose shape does not do what is asked.
+/// - [`Error::NonFinite`]: Γ or the desired motion is no number somewhere along the plan of K⁰.
+/// - [`Error::OutOfRange`]: the plan leaves a coordinate's declared range.
+///
+/// A plan whose optimiser did not converge is no error: see [`Report::termination`].
+pub fn plan<'a, R, M, T, const NX: usize, const NS: usize>(
+    robot: &R,
+    task: &Task<'a, M, T, NS>,
+) -> Result<Plan<'a, M, T, NX, NS>, Error>
+where
+    R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    M: DesiredMotion<T, NX> + ?Sized,
+    T: Ordered,
+{
+    check_description(robot)?;
+    check_optimiser(&task.optimiser)?;
+    let problem = GainProblem {
+        robot,
+        motion: task.motion,
+        map: OutputMap::new(robot)?,
+        grid: Grid::new(task.motion, task.samples)?,
+        initial_gain: task.weighting.gain(robot)?,
+        objective: task.objective,
+    };
+    let mut passes = 0;
+    let minimum = task.optimiser.minimise(SMatrix::identity(), |factor| {
+        passes += 1;
+        problem.linearise(factor)
+    })?;
+    let mut plan = Plan {
+        motion: task.motion,
+        map: problem.map,
+        samples: task.samples,
+        initial_gain: problem.initial_gain,
+        factor: minimum.point,
+        gain: problem.initial_gain * minimum.point,
+        report: Report {
+            cost: minimum.cost,
+            initial_cost: minimum.start_cost,
+            acceleration_cost: T::zero(),
+            output_rmse: T::zero(),
+            output_max_error: T::zero(),
+            output_end_error: T::zero(),
+            position_rmse: T::zero(),
+            peak_shape: SVector::zeros(),
+            iterations: minimum.iterations,
+            evaluations: passes * task.samples,
+            termination: minimum.termination,
+        },
+    };
+    plan.survey(robot)?;
+    Ok(plan)
+}
+
+/// Ranges and shape sets are looked up by index: the description must be that of the robot.
+fn check_description<T, const NX: usize, const NS: usize, R>(robot: &R) -> Result<(), Error>
+where
+    T: Ordered,
+    R: ShapeAccelerated<T, NX, NS> + ?Sized,
+{
+    let description = robot.shape_description();
+    let check = |field, found, expected| {
+        if found == expected {
+            Ok(())
+        } else {
+            Err(Error::Length {
+                field,
+                found,
+                expected,
+            })
+        }
+    };
+    check(
+        "position coordinates described",
+        description.position_count,
+        NX,
+    )?;
+    check(
+        "coordinates described",
+        description.coordinates.len(),
+        NX + NS,
+    )
+}
+
+fn check_optimiser<T: Ordered>(optimiser: &LevenbergMarquardt<T>) -> Result<(), Error> {
+    let LevenbergMarquardt {
+        cost_threshold,
+        gradient_tolerance,
+        step_tolerance,
+        reduction_tolerance,
+        initial_damping,
+        max_iterations: _,
+    } = *optimiser;
+    for (field, value) in [
+        ("cost threshold", cost_threshold),
+        ("gradient tolerance", gradient_tolerance),
+        ("step tolerance", step_tolerance),
+        ("reduction tolerance", reduction_tolerance),
+        ("initial damping", initial_damping),
+    ] {
+        if !value.is_finite() || value < T::zero() {
+            let expected = "a finite number that is not negative";
+            return Err(Error::Invalid {
+                field,
+                value: value.to_f64(),
+                expected,
+            });
+        }
+    }
+    Ok(())
+}
