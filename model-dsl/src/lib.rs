@@ -1,7 +1,22 @@
 //! The model language: text to a checked, dimension-correct mechanical model.
 #![forbid(unsafe_code)]
 
+mod ast;
+pub mod codes;
+mod diagnostic;
+mod lex;
 pub mod model;
+mod parse;
+mod render;
+mod resolve;
+mod suggest;
+mod units;
+
+pub use diagnostic::{Code, Diagnostic, Severity};
+pub use render::render;
+
+use diagnostic::Sink;
+use model::Model;
 
 /// A half-open range of byte offsets into the model's text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -10,4 +25,120 @@ pub struct Span {
     pub start: u32,
     /// One past the last byte.
     pub end: u32,
+}
+
+impl Span {
+    /// A span from byte offsets.
+    #[must_use]
+    pub fn new(start: usize, end: usize) -> Self {
+        let offset = |n| u32::try_from(n).unwrap_or(u32::MAX);
+        Self { start: offset(start), end: offset(end) }
+    }
+
+    /// As a range for indexing.
+    #[must_use]
+    pub fn range(self) -> std::ops::Range<usize> {
+        self.start as usize..self.end as usize
+    }
+
+    /// From the start of this to the end of another.
+    #[must_use]
+    pub fn to(self, other: Self) -> Self {
+        Self { start: self.start.min(other.start), end: self.end.max(other.end) }
+    }
+}
+
+/// Largest file in bytes.
+pub const MAX_BYTES: usize = 4 << 20;
+
+/// What came out of a file.
+#[derive(Clone, Debug)]
+pub struct Parsed {
+    /// The model; `None` if there are errors.
+    pub model: Option<Model>,
+    /// Errors and warnings, in the order of the text.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Reads a model. All errors of the file are reported at once.
+#[must_use]
+pub fn parse(source_name: &str, text: &str) -> Parsed {
+    if text.len() > MAX_BYTES {
+        return refuse(too_large(text.len()));
+    }
+    // A thread of its own: the lexer's table of spans dies with it instead of growing for ever, and the
+    // depth of brackets that is allowed fits its stack whatever stack the caller has.
+    let run = || parse_here(source_name, text);
+    let spawned = std::thread::scope(|scope| {
+        let builder = std::thread::Builder::new().name("shapebot-parse".to_owned()).stack_size(STACK);
+        builder.spawn_scoped(scope, run).map(|handle| handle.join())
+    });
+    match spawned {
+        Ok(Ok(parsed)) => parsed,
+        Ok(Err(_)) => refuse(internal()),
+        // No threads on this system.
+        Err(_) => parse_here(source_name, text),
+    }
+}
+
+const STACK: usize = 32 << 20;
+
+/// Reads a model from bytes, which may turn out not to be text.
+#[must_use]
+pub fn parse_bytes(source_name: &str, bytes: &[u8]) -> Parsed {
+    if bytes.len() > MAX_BYTES {
+        return refuse(too_large(bytes.len()));
+    }
+    match std::str::from_utf8(bytes) {
+        Ok(text) => parse(source_name, text),
+        Err(error) => {
+            let at = error.valid_up_to();
+            let line = bytes[..at].iter().filter(|b| **b == b'\n').count() + 1;
+            refuse(
+                Diagnostic::error(codes::E0001, Span::new(at, at), "the file is not UTF-8 text")
+                    .label("the first bytes that are no text")
+                    .note(format!("byte {at}, line {line}"))
+                    .help("save the file as UTF-8; a model is plain text"),
+            )
+        }
+    }
+}
+
+fn refuse(diagnostic: Diagnostic) -> Parsed {
+    Parsed { model: None, diagnostics: vec![diagnostic] }
+}
+
+fn too_large(bytes: usize) -> Diagnostic {
+    Diagnostic::error(codes::E0002, Span::default(), format!("the file is too large: {bytes} bytes"))
+        .note(format!("a model has at most {MAX_BYTES} bytes"))
+        .help("a robot with many like parts is written with `component` and `repeat`")
+}
+
+fn internal() -> Diagnostic {
+    Diagnostic::error(codes::E0010, Span::default(), "shapebot failed while reading this file")
+        .help("this is an error of shapebot; please report it together with the file")
+}
+
+fn parse_here(source_name: &str, text: &str) -> Parsed {
+    let mut sink = Sink::default();
+    let scan = lex::scan::scan(text, &mut sink);
+    let model = scan
+        .balanced
+        .then(|| lex::lex(&scan.text, &mut sink))
+        .flatten()
+        .and_then(|tokens| parse::parse(&scan.text, tokens, &mut sink))
+        .map(|robot| resolve::resolve(&robot, source_name, text, &mut sink));
+    let model = model.filter(|_| !sink.has_errors());
+    Parsed { model, diagnostics: sink.finish() }
+}
+
+/// The page of a code, in Markdown; the case of letters does not matter.
+#[must_use]
+pub fn explain(code: &str) -> Option<&'static str> {
+    codes::entry(code.trim()).map(|e| e.page)
+}
+
+/// All codes with their titles.
+pub fn codes() -> impl Iterator<Item = (Code, &'static str)> {
+    codes::TABLE.iter().map(|e| (e.code, e.title))
 }
