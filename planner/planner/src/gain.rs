@@ -73,13 +73,7 @@ fn by_contributions<T: Ordered, const NX: usize, const NS: usize>(
     let sum = check_ratios(ratios, sets.len())?;
     let mut gain = SMatrix::zeros();
     for (set, &ratio) in sets.iter().zip(ratios) {
-        if set.len != NX || set.first > NS - set.len.min(NS) {
-            return Err(Error::Length {
-                field: "coordinates of a shape set",
-                found: set.len,
-                expected: NX,
-            });
-        }
+        check_set(set, NX, NS)?;
         if ratio == T::zero() {
             continue;
         }
@@ -92,6 +86,23 @@ fn by_contributions<T: Ordered, const NX: usize, const NS: usize>(
         }
     }
     Ok(gain)
+}
+
+/// A set that contributes has n_x coordinates, all of them in q_s.
+fn check_set(set: &ShapeSet, expected: usize, shape_count: usize) -> Result<(), Error> {
+    let end = set.first.saturating_add(set.len);
+    let (field, found, expected) = if set.len != expected {
+        ("coordinates of a shape set", set.len, expected)
+    } else if end > shape_count {
+        ("shape coordinates described", end, shape_count)
+    } else {
+        return Ok(());
+    };
+    Err(Error::Length {
+        field,
+        found,
+        expected,
+    })
 }
 
 /// Checks the contributions and returns their sum.

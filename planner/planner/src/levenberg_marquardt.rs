@@ -118,7 +118,8 @@ pub enum Termination {
     SmallGradient,
     /// The next step would be negligible beside the parameters: ΔK < ΔK_thres of Algorithm 1.
     SmallStep,
-    /// The next step would lower the cost by a negligible fraction.
+    /// The next step would lower the cost by a negligible fraction, or by less than its rounding
+    /// errors.
     SmallReduction,
     /// As many steps as allowed were tried.
     IterationLimit,
@@ -277,6 +278,11 @@ impl<T: Ordered> LevenbergMarquardt<T> {
                     point += step;
                     here = there;
                     continue;
+                }
+                // The first step after a success promised little and gave nothing: what is left to
+                // gain is less than the cost's own rounding errors.
+                if finite && !damping.rejected && predicted <= T::epsilon().sqrt() * here.cost {
+                    break Termination::SmallReduction;
                 }
             }
             if !damping.tighten() {

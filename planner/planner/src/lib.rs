@@ -116,8 +116,8 @@
 //! let point = plan.at(1.2);
 //! assert!(point.shape[0] > 0.05 && point.shape[0] < 0.5);
 //!
-//! // The motion that follows from it, ten rows of it:
-//! let last = plan.rows(&robot, 10)?.last().unwrap();
+//! // The motion that follows from it, sample by sample:
+//! let last = plan.rows(&robot).last().unwrap();
 //! assert!((last.output[0] - 2.0).abs() < 0.02);
 //! # Ok::<(), shapebot_planner::Error>(())
 //! ```
@@ -137,6 +137,10 @@ mod objective;
 mod plan;
 mod planner;
 mod reference;
+
+#[cfg(test)]
+#[path = "../tests/common/mod.rs"]
+mod common;
 
 pub use error::Error;
 pub use gain::Weighting;

@@ -120,7 +120,7 @@ where
             let (residual, by_factor) = self.residual(&node);
             equations.add(&residual, &by_factor);
             if !equations.is_finite() {
-                return Err(self.blame(&node.sample));
+                return Err(self.first_not_finite(&gain));
             }
         }
         Ok(equations)
@@ -199,21 +199,134 @@ where
         }
     }
 
-    /// Which quantity of a sample is not finite.
-    fn blame(&self, sample: &Sample<T, NX, NS>) -> Error {
+    /// What went wrong, and when. The samples are gone through again: an integrated position is
+    /// infected by the samples ahead of it.
+    fn first_not_finite(&self, gain: &SMatrix<T, NS, NX>) -> Error {
         let finite = |v: &SVector<T, NX>| v.iter().all(|x| x.is_finite());
-        let quantity = if !sample.plan.desired.output.iter().all(finite) {
-            "desired motion"
-        } else if !finite(&sample.acceleration.value) {
-            "acceleration response"
-        } else if !sample.acceleration.by_factor.iter().flatten().all(finite) {
-            "Jacobian of the acceleration response"
-        } else {
-            "objective"
-        };
-        Error::NonFinite {
-            quantity,
-            time: sample.plan.time.to_f64(),
+        for index in 0..self.grid.count {
+            let Sample { plan, acceleration } = self.sample(gain, index);
+            let quantity = if !plan.desired.output.iter().all(finite) {
+                "desired motion"
+            } else if !finite(&acceleration.value) {
+                "acceleration response"
+            } else if !acceleration.by_factor.iter().flatten().all(finite) {
+                "Jacobian of the acceleration response"
+            } else {
+                continue;
+            };
+            return Error::NonFinite {
+                quantity,
+                time: plan.time.to_f64(),
+            };
         }
+        // Each sample is finite, their sums are not.
+        let time = self.grid.time(self.grid.count.saturating_sub(1)).to_f64();
+        Error::NonFinite {
+            quantity: "objective",
+            time,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::common::robots::{LinearArms, Robot, Spatial, TABLE_I};
+    use crate::motion::Bezier;
+    use crate::{Weighting, reference};
+    use nalgebra::{Matrix2, Matrix2x6, Vector2};
+
+    const OBJECTIVES: [Objective; 3] = [
+        Objective::Output,
+        Objective::Position,
+        Objective::Acceleration,
+    ];
+
+    /// A curve that excites all of S, with a start that is not at rest.
+    const POINTS: [[f64; 2]; 6] = [
+        [0.0, 0.0],
+        [0.1, -0.05],
+        [0.2, 0.3],
+        [0.9, 0.4],
+        [1.0, 1.1],
+        [1.2, 1.0],
+    ];
+
+    fn check_all<R, const NS: usize>(
+        robot: &R,
+        check: impl Fn(&dyn Fn(&Matrix2<f64>) -> NormalEquations<f64, 2, 2>),
+    ) where
+        R: ShapeAccelerated<f64, 2, NS>,
+    {
+        let points = POINTS.map(Vector2::from);
+        let motion = Bezier::new(&points, 4.0).unwrap();
+        for objective in OBJECTIVES {
+            let problem = GainProblem {
+                robot,
+                motion: &motion,
+                map: reference::OutputMap::new(robot).unwrap(),
+                grid: Grid::new(&motion, 81).unwrap(),
+                initial_gain: Weighting::MinimumNorm.gain(robot).unwrap(),
+                objective,
+            };
+            check(&|factor| problem.linearise(factor).unwrap());
+        }
+    }
+
+    fn unit(i: usize, j: usize) -> Matrix2<f64> {
+        let mut unit = Matrix2::zeros();
+        unit[(i, j)] = 1.0;
+        unit
+    }
+
+    #[test]
+    fn gradient_is_half_the_derivative_of_the_cost() {
+        let factor = Matrix2::new(0.9, 0.05, -0.1, 1.1);
+        check_all(&Robot(Spatial(TABLE_I)), |equations| {
+            let gradient = equations(&factor).gradient;
+            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let cost = |h: f64| equations(&(factor + unit(i, j) * h)).cost;
+                let h = 1e-4;
+                let slope =
+                    (8.0 * (cost(h) - cost(-h)) - (cost(2.0 * h) - cost(-2.0 * h))) / (12.0 * h);
+                let error = (2.0 * gradient[(i, j)] - slope).abs();
+                assert!(
+                    error < 1e-8 * gradient.abs().max(),
+                    "S_{i}{j}: {} {slope}",
+                    gradient[(i, j)]
+                );
+            }
+        });
+    }
+
+    #[test]
+    fn the_model_of_a_linear_robot_is_exact() {
+        let shape_gain = Matrix2x6::new(
+            0.0, -0.7, 0.0, -0.7, 0.0, 82.0, //
+            0.7, 0.0, 0.7, 0.0, -82.0, 0.0,
+        );
+        let (from, step) = (
+            Matrix2::new(1.0, 0.2, -0.1, 0.8),
+            Matrix2::new(0.3, -0.2, 0.1, 0.5),
+        );
+        check_all(
+            &Robot(LinearArms {
+                shape_gain,
+                tau_squared: 0.1,
+            }),
+            |equations| {
+                let here = equations(&from);
+                // The parameters' order is row by row, nalgebra's column by column.
+                let parameters = step.transpose();
+                let bend = here.curvature.iter().flatten().zip(parameters.iter());
+                let bend: f64 = bend.map(|(row, s)| row.dot(&step) * s).sum();
+                let predicted = here.cost + 2.0 * here.gradient.dot(&step) + bend;
+                let there = equations(&(from + step)).cost;
+                assert!(
+                    (there - predicted).abs() < 1e-12 * there,
+                    "{there} {predicted}"
+                );
+            },
+        );
     }
 }

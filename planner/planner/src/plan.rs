@@ -6,6 +6,7 @@ use crate::levenberg_marquardt::Termination;
 use crate::linear_algebra::{largest, norm};
 use crate::motion::DesiredMotion;
 use crate::reference::{Desired, Grid, OutputMap};
+use core::fmt;
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Coordinate, Ordered, ShapeAccelerated};
 
@@ -138,15 +139,37 @@ pub struct Report<T: Ordered, const NS: usize> {
 }
 
 /// A shape trajectory that is a constant gain times a desired acceleration (Eq. 31).
-#[derive(Clone, Copy, Debug)]
 pub struct Plan<'a, M: ?Sized, T: Ordered, const NX: usize, const NS: usize> {
     pub(crate) motion: &'a M,
     pub(crate) map: OutputMap<T, NX>,
-    pub(crate) samples: usize,
+    pub(crate) grid: Grid<T>,
     pub(crate) initial_gain: SMatrix<T, NS, NX>,
     pub(crate) factor: SMatrix<T, NX, NX>,
     pub(crate) gain: SMatrix<T, NS, NX>,
     pub(crate) report: Report<T, NS>,
+}
+
+// By hand, because the motion is only borrowed: it need not be Clone or Debug itself.
+impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> Clone for Plan<'_, M, T, NX, NS> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> Copy for Plan<'_, M, T, NX, NS> {}
+
+impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> fmt::Debug
+    for Plan<'_, M, T, NX, NS>
+{
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Plan")
+            .field("grid", &self.grid)
+            .field("initial_gain", &self.initial_gain)
+            .field("factor", &self.factor)
+            .field("gain", &self.gain)
+            .field("report", &self.report)
+            .finish_non_exhaustive()
+    }
 }
 
 impl<'a, M, T, const NX: usize, const NS: usize> Plan<'a, M, T, NX, NS>
@@ -177,7 +200,7 @@ where
 
     /// Number of samples that the plan was made with.
     pub fn samples(&self) -> usize {
-        self.samples
+        self.grid.count
     }
 
     /// How well the plan does.
@@ -190,24 +213,47 @@ where
         PlanPoint::new(t, self.map.desired(self.motion.derivatives(t)), &self.gain)
     }
 
-    /// The motion of `robot` when it tracks the planned shape exactly, at `samples` equidistant times
-    /// from start to end: Γ integrated twice from the desired initial position and velocity.
+    /// The motion of `robot` when it tracks the planned shape exactly, at the plan's samples: Γ
+    /// integrated twice from the desired initial position and velocity, with an error of the fourth
+    /// order of the sampling interval.
     ///
     /// `robot` may be another than the one planned for, to see what a wrong parameter does. Nothing is
     /// checked along the way: the rows of an unsuitable robot need not be finite.
+    pub fn rows<'s, R>(
+        &'s self,
+        robot: &'s R,
+    ) -> impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, R>
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    {
+        self.rows_on(self.grid, robot)
+    }
+
+    /// [`rows`](Self::rows) at another number of equidistant samples, both ends included. With fewer
+    /// the positions lose accuracy; to show fewer rows, skip some of those of `rows`.
     ///
     /// # Errors
     ///
     /// Fewer than [`MIN_SAMPLES`](crate::MIN_SAMPLES) samples.
-    pub fn rows<'s, R>(
+    pub fn resampled_rows<'s, R>(
         &'s self,
         robot: &'s R,
         samples: usize,
-    ) -> Result<impl ExactSizeIterator<Item = Row<T, NX, NS>> + 's, Error>
+    ) -> Result<impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, R>, Error>
     where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
     {
-        let grid = Grid::new(self.motion, samples)?;
+        Ok(self.rows_on(Grid::new(self.motion, samples)?, robot))
+    }
+
+    fn rows_on<'s, R>(
+        &'s self,
+        grid: Grid<T>,
+        robot: &'s R,
+    ) -> impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, R>
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    {
         let start = self.at(grid.time(0)).desired.position;
         let sample = move |index| {
             let plan = self.at(grid.time(index));
@@ -215,14 +261,14 @@ where
                 robot.gamma(&plan.shape, &plan.shape_velocity, &plan.shape_acceleration);
             Sample { plan, acceleration }
         };
-        let trajectory = DoubleIntegral::new(samples, grid.step(), start[1], start[0], sample);
-        Ok(trajectory.map(|node| Row {
+        let trajectory = DoubleIntegral::new(grid.count, grid.step(), start[1], start[0], sample);
+        trajectory.map(|node| Row {
             output: robot.output(&node.position, &node.sample.plan.shape),
             position: node.position,
             velocity: node.velocity,
             acceleration: node.sample.acceleration,
             plan: node.sample.plan,
-        }))
+        })
     }
 
     /// Fills the report's errors and peaks from the plan's samples.
@@ -237,7 +283,7 @@ where
         );
         let mut report = self.report;
         let (mut output_squares, mut position_squares) = (T::zero(), T::zero());
-        for row in self.rows(robot, self.samples)? {
+        for row in self.rows(robot) {
             row.check_finite()?;
             row.check_ranges(positions, shapes)?;
             let desired = &row.plan.desired.position;
@@ -253,7 +299,7 @@ where
                 .zip_map(&row.plan.shape, |a, b| largest([a, b]));
             report.evaluations += 1;
         }
-        let count = T::from_f64(self.samples as f64);
+        let count = T::from_f64(self.grid.count as f64);
         report.output_rmse = (output_squares / count).sqrt();
         report.position_rmse = (position_squares / count).sqrt();
         self.report = report;

@@ -7,6 +7,7 @@ use crate::motion::DesiredMotion;
 use crate::objective::{GainProblem, Objective};
 use crate::plan::{Plan, Report};
 use crate::reference::{Grid, OutputMap};
+use core::fmt;
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Ordered, ShapeAccelerated};
 
@@ -21,7 +22,6 @@ use shapebot_dynamics::{Ordered, ShapeAccelerated};
 ///     .objective(Objective::Position);
 /// # Ok::<(), shapebot_planner::Error>(())
 /// ```
-#[derive(Debug)]
 pub struct Task<'a, M: ?Sized, T: Ordered, const NS: usize> {
     /// The desired motion of the output.
     pub motion: &'a M,
@@ -35,6 +35,7 @@ pub struct Task<'a, M: ?Sized, T: Ordered, const NS: usize> {
     pub optimiser: LevenbergMarquardt<T>,
 }
 
+// By hand, because the motion is only borrowed: it need not be Clone or Debug itself.
 impl<M: ?Sized, T: Ordered, const NS: usize> Clone for Task<'_, M, T, NS> {
     fn clone(&self) -> Self {
         *self
@@ -42,6 +43,17 @@ impl<M: ?Sized, T: Ordered, const NS: usize> Clone for Task<'_, M, T, NS> {
 }
 
 impl<M: ?Sized, T: Ordered, const NS: usize> Copy for Task<'_, M, T, NS> {}
+
+impl<M: ?Sized, T: Ordered, const NS: usize> fmt::Debug for Task<'_, M, T, NS> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Task")
+            .field("samples", &self.samples)
+            .field("weighting", &self.weighting)
+            .field("objective", &self.objective)
+            .field("optimiser", &self.optimiser)
+            .finish_non_exhaustive()
+    }
+}
 
 impl<'a, M: ?Sized, T: Ordered, const NS: usize> Task<'a, M, T, NS> {
     /// A desired motion and its number of samples; all else at its default.
@@ -108,7 +120,7 @@ where
         initial_gain: task.weighting.gain(robot)?,
         objective: task.objective,
     };
-    let mut passes = 0;
+    let mut passes = 0_usize;
     let minimum = task.optimiser.minimise(SMatrix::identity(), |factor| {
         passes += 1;
         problem.linearise(factor)
@@ -116,7 +128,7 @@ where
     let mut plan = Plan {
         motion: task.motion,
         map: problem.map,
-        samples: task.samples,
+        grid: problem.grid,
         initial_gain: problem.initial_gain,
         factor: minimum.point,
         gain: problem.initial_gain * minimum.point,
@@ -130,7 +142,7 @@ where
             position_rmse: T::zero(),
             peak_shape: SVector::zeros(),
             iterations: minimum.iterations,
-            evaluations: passes * task.samples,
+            evaluations: task.samples.saturating_mul(passes),
             termination: minimum.termination,
         },
     };
