@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod description;
+mod parameter;
 mod scalar;
 mod system;
 
@@ -13,6 +14,7 @@ pub use description::{
     Actuator, Coordinate, CoulombFriction, Description, Geometry, Parameter, Role, ShapeSet, Solid,
 };
 pub use nalgebra;
+pub use parameter::ParameterError;
 pub use scalar::{Ordered, Real};
 pub use system::{LagrangianSystem, Motion, Response, Robot, ShapeAccelerated};
 

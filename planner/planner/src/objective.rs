@@ -2,9 +2,9 @@
 
 use crate::Error;
 use crate::integrate::{Accelerated, DoubleIntegral, Integrated, Linear};
-use crate::levenberg_marquardt::NormalEquations;
 use crate::linear_algebra::column;
 use crate::motion::DesiredMotion;
+use crate::optimise::NormalEquations;
 use crate::plan::PlanPoint;
 use crate::reference::{Desired, Grid, OutputMap};
 use nalgebra::{SMatrix, SVector};

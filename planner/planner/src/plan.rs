@@ -2,9 +2,9 @@
 
 use crate::Error;
 use crate::integrate::{Accelerated, DoubleIntegral};
-use crate::levenberg_marquardt::Termination;
 use crate::linear_algebra::{largest, norm};
 use crate::motion::DesiredMotion;
+use crate::optimise::{Minimum, Termination};
 use crate::reference::{Desired, Grid, OutputMap};
 use core::fmt;
 use nalgebra::{SMatrix, SVector};
@@ -136,6 +136,56 @@ pub struct Report<T: Ordered, const NS: usize> {
     pub evaluations: usize,
     /// Why the optimiser ended.
     pub termination: Termination,
+}
+
+impl<T: Ordered, const NS: usize> Report<T, NS> {
+    /// What the optimiser knows; the rest is added row by row.
+    pub(crate) fn new<const NX: usize>(minimum: &Minimum<T, NX, NX>, evaluations: usize) -> Self {
+        Self {
+            cost: minimum.cost,
+            initial_cost: minimum.start_cost,
+            acceleration_cost: T::zero(),
+            output_rmse: T::zero(),
+            output_max_error: T::zero(),
+            output_end_error: T::zero(),
+            position_rmse: T::zero(),
+            peak_shape: SVector::zeros(),
+            iterations: minimum.iterations,
+            evaluations,
+            termination: minimum.termination,
+        }
+    }
+
+    /// Adds a row; until [`averaged`](Self::averaged) the two RMSE are sums of squares.
+    fn add<const NX: usize>(&mut self, row: &Row<T, NX, NS>) {
+        let desired = &row.plan.desired.position;
+        let (output, position) = (row.output_error(), row.position - desired[0]);
+        let acceleration = row.acceleration - desired[2];
+        self.output_rmse += output.dot(&output);
+        self.position_rmse += position.dot(&position);
+        self.acceleration_cost += acceleration.dot(&acceleration);
+        self.output_end_error = norm(&output);
+        self.output_max_error = largest([self.output_max_error, norm(&output)]);
+        self.peak_shape = self
+            .peak_shape
+            .zip_map(&row.plan.shape, |a, b| largest([a, b]));
+        self.evaluations = self.evaluations.saturating_add(1);
+    }
+
+    fn averaged(self, rows: usize) -> Self {
+        let count = T::from_f64(rows as f64);
+        Self {
+            output_rmse: (self.output_rmse / count).sqrt(),
+            position_rmse: (self.position_rmse / count).sqrt(),
+            ..self
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        [self.output_rmse, self.position_rmse, self.acceleration_cost]
+            .iter()
+            .all(|x| x.is_finite())
+    }
 }
 
 /// A shape trajectory that is a constant gain times a desired acceleration (Eq. 31).
@@ -282,27 +332,19 @@ where
             description.shape_coordinates(),
         );
         let mut report = self.report;
-        let (mut output_squares, mut position_squares) = (T::zero(), T::zero());
         for row in self.rows(robot) {
             row.check_finite()?;
             row.check_ranges(positions, shapes)?;
-            let desired = &row.plan.desired.position;
-            let (output, position) = (row.output_error(), row.position - desired[0]);
-            let acceleration = row.acceleration - desired[2];
-            output_squares += output.dot(&output);
-            position_squares += position.dot(&position);
-            report.acceleration_cost += acceleration.dot(&acceleration);
-            report.output_end_error = norm(&output);
-            report.output_max_error = largest([report.output_max_error, norm(&output)]);
-            report.peak_shape = report
-                .peak_shape
-                .zip_map(&row.plan.shape, |a, b| largest([a, b]));
-            report.evaluations += 1;
+            report.add(&row);
         }
-        let count = T::from_f64(self.grid.count as f64);
-        report.output_rmse = (output_squares / count).sqrt();
-        report.position_rmse = (position_squares / count).sqrt();
-        self.report = report;
-        Ok(())
+        self.report = report.averaged(self.grid.count);
+        if self.report.is_finite() {
+            return Ok(());
+        }
+        let time = self.grid.time(self.grid.count.saturating_sub(1)).to_f64();
+        Err(Error::NonFinite {
+            quantity: "squared error of the plan",
+            time,
+        })
     }
 }

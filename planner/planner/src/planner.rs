@@ -2,13 +2,13 @@
 
 use crate::Error;
 use crate::gain::Weighting;
-use crate::levenberg_marquardt::LevenbergMarquardt;
 use crate::motion::DesiredMotion;
 use crate::objective::{GainProblem, Objective};
+use crate::optimise::LevenbergMarquardt;
 use crate::plan::{Plan, Report};
 use crate::reference::{Grid, OutputMap};
 use core::fmt;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 use shapebot_dynamics::{Ordered, ShapeAccelerated};
 
 /// What is to be planned, and how.
@@ -132,19 +132,7 @@ where
         initial_gain: problem.initial_gain,
         factor: minimum.point,
         gain: problem.initial_gain * minimum.point,
-        report: Report {
-            cost: minimum.cost,
-            initial_cost: minimum.start_cost,
-            acceleration_cost: T::zero(),
-            output_rmse: T::zero(),
-            output_max_error: T::zero(),
-            output_end_error: T::zero(),
-            position_rmse: T::zero(),
-            peak_shape: SVector::zeros(),
-            iterations: minimum.iterations,
-            evaluations: task.samples.saturating_mul(passes),
-            termination: minimum.termination,
-        },
+        report: Report::new(&minimum, task.samples.saturating_mul(passes)),
     };
     plan.survey(robot)?;
     Ok(plan)

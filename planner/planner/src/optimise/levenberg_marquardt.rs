@@ -1,113 +1,8 @@
-//! Levenberg-Marquardt for few parameters and many residuals, which are never stored: each is added to
-//! the normal equations and forgotten.
+//! Levenberg-Marquardt on normal equations.
 
-use crate::linear_algebra::{exceeds, is_finite, largest};
-use nalgebra::{SMatrix, SVector};
+use super::NormalEquations;
+use nalgebra::SMatrix;
 use shapebot_dynamics::Ordered;
-
-/// A sum of squares ‖r‖² around a point of a parameter space of R × C matrices.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NormalEquations<T: Ordered, const R: usize, const C: usize> {
-    /// ‖r‖².
-    pub cost: T,
-    /// Jᵀr: half the gradient of the cost.
-    pub gradient: SMatrix<T, R, C>,
-    /// JᵀJ: `[i][j][(k, l)]` pairs parameter (i, j) with parameter (k, l).
-    pub curvature: [[SMatrix<T, R, C>; C]; R],
-}
-
-impl<T: Ordered, const R: usize, const C: usize> Default for NormalEquations<T, R, C> {
-    fn default() -> Self {
-        Self {
-            cost: T::zero(),
-            gradient: SMatrix::zeros(),
-            curvature: [[SMatrix::zeros(); C]; R],
-        }
-    }
-}
-
-impl<T: Ordered, const R: usize, const C: usize> NormalEquations<T, R, C> {
-    /// Adds a residual vector with its derivative by each parameter.
-    pub fn add<const M: usize>(
-        &mut self,
-        residual: &SVector<T, M>,
-        jacobian: &[[SVector<T, M>; C]; R],
-    ) {
-        self.cost += residual.dot(residual);
-        for (i, row) in jacobian.iter().enumerate() {
-            for (j, derivative) in row.iter().enumerate() {
-                self.gradient[(i, j)] += derivative.dot(residual);
-                let others = SMatrix::from_fn(|k, l| derivative.dot(&jacobian[k][l]));
-                self.curvature[i][j] += others;
-            }
-        }
-    }
-
-    /// Whether all of it is finite.
-    pub fn is_finite(&self) -> bool {
-        self.cost.is_finite()
-            && is_finite(&self.gradient)
-            && self.curvature.iter().flatten().all(is_finite)
-    }
-
-    /// Entry (p, q) of JᵀJ, parameters numbered row by row.
-    fn entry(curvature: &[[SMatrix<T, R, C>; C]; R], p: usize, q: usize) -> T {
-        curvature[p / C][p % C][(q / C, q % C)]
-    }
-
-    fn largest_curvature(&self) -> T {
-        largest((0..R * C).map(|p| Self::entry(&self.curvature, p, p)))
-    }
-
-    /// The largest cosine between the residual and a column of J; parameters that the residual does
-    /// not feel do not count.
-    fn correlation(&self) -> T {
-        let negligible = self.largest_curvature() * T::epsilon();
-        largest((0..R * C).map(|p| {
-            let curvature = Self::entry(&self.curvature, p, p);
-            if !exceeds(curvature, negligible) {
-                return T::zero();
-            }
-            self.gradient[(p / C, p % C)] / (curvature.sqrt() * self.cost.sqrt())
-        }))
-    }
-
-    /// Solves (JᵀJ + damping) δ = −Jᵀr by Cholesky; `None` if that is not positive definite.
-    fn step(&self, damping: T) -> Option<SMatrix<T, R, C>> {
-        let mut factor = self.curvature;
-        for p in 0..R * C {
-            for q in 0..=p {
-                let mut sum = Self::entry(&factor, p, q);
-                for k in 0..q {
-                    sum -= Self::entry(&factor, p, k) * Self::entry(&factor, q, k);
-                }
-                factor[p / C][p % C][(q / C, q % C)] = if q < p {
-                    sum / Self::entry(&factor, q, q)
-                } else if exceeds(sum + damping, T::zero()) {
-                    (sum + damping).sqrt()
-                } else {
-                    return None;
-                };
-            }
-        }
-        let mut step = -self.gradient;
-        for p in 0..R * C {
-            for k in 0..p {
-                let known = Self::entry(&factor, p, k) * step[(k / C, k % C)];
-                step[(p / C, p % C)] -= known;
-            }
-            step[(p / C, p % C)] /= Self::entry(&factor, p, p);
-        }
-        for p in (0..R * C).rev() {
-            for k in p + 1..R * C {
-                let known = Self::entry(&factor, k, p) * step[(k / C, k % C)];
-                step[(p / C, p % C)] -= known;
-            }
-            step[(p / C, p % C)] /= Self::entry(&factor, p, p);
-        }
-        is_finite(&step).then_some(step)
-    }
-}
 
 /// Why a minimisation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -197,7 +92,8 @@ struct Damping<T> {
     value: T,
     growth: T,
     floor: T,
-    rejected: bool,
+    /// Why the last step was rejected: the reason to end if no shorter one helps.
+    failure: Option<Termination>,
 }
 
 impl<T: Ordered> Damping<T> {
@@ -208,30 +104,42 @@ impl<T: Ordered> Damping<T> {
             value,
             growth: T::from_f64(2.0),
             floor,
-            rejected: false,
+            failure: None,
         }
     }
 
     /// After a step that lowered the cost by `gain` times what was predicted.
     fn relax(&mut self, gain: T) {
         let two = T::from_f64(2.0);
-        let cubed = (two * gain - T::one()) * (two * gain - T::one()) * (two * gain - T::one());
-        let (third, factor) = (T::from_f64(1.0 / 3.0), T::one() - cubed);
+        let excess = two * gain - T::one();
+        let (third, factor) = (T::from_f64(1.0 / 3.0), T::one() - excess * excess * excess);
         self.value *= if factor > third { factor } else { third };
         if self.value < self.floor {
             self.value = self.floor;
         }
         self.growth = two;
-        self.rejected = false;
+        self.failure = None;
     }
 
-    /// After a step that did not. False when there is nothing left to try.
-    fn tighten(&mut self) -> bool {
+    /// After a step that did not. The reason to end, if there is nothing left to try.
+    fn tighten(&mut self, failure: Termination) -> Option<Termination> {
         self.value *= self.growth;
         self.growth *= T::from_f64(2.0);
-        self.rejected = true;
-        self.value < T::from_f64(1e12)
+        self.failure = Some(failure);
+        if self.value < T::from_f64(1e12) {
+            None
+        } else {
+            self.failure
+        }
     }
+}
+
+/// A minimisation under way.
+struct Run<T: Ordered, const R: usize, const C: usize> {
+    point: SMatrix<T, R, C>,
+    here: NormalEquations<T, R, C>,
+    damping: Damping<T>,
+    iterations: usize,
 }
 
 impl<T: Ordered> LevenbergMarquardt<T> {
@@ -245,54 +153,29 @@ impl<T: Ordered> LevenbergMarquardt<T> {
         start: SMatrix<T, R, C>,
         mut problem: impl FnMut(&SMatrix<T, R, C>) -> Result<NormalEquations<T, R, C>, E>,
     ) -> Result<Minimum<T, R, C>, E> {
-        let mut point = start;
-        let mut here = problem(&point)?;
+        let here = problem(&start)?;
         let start_cost = here.cost;
-        let mut damping = Damping::new(self.initial_damping);
-        let mut finite = true;
-        let mut iterations = 0;
+        let damping = Damping::new(self.initial_damping);
+        let mut run = Run {
+            point: start,
+            here,
+            damping,
+            iterations: 0,
+        };
         let termination = loop {
-            if let Some(reason) = self.at_minimum(&here) {
+            let end = self
+                .at_minimum(&run.here)
+                .or_else(|| self.attempt(&mut run, &mut problem));
+            if let Some(reason) = end {
                 break reason;
             }
-            if iterations >= self.max_iterations {
-                break Termination::IterationLimit;
-            }
-            iterations += 1;
-            let shift = damping.value * here.largest_curvature();
-            if let Some(step) = here.step(shift) {
-                let predicted = predicted_reduction(&here, &step, shift);
-                if let Some(reason) = self.negligible(&point, &here, &step, predicted) {
-                    break match (damping.rejected, finite) {
-                        (false, _) => reason,
-                        (true, true) => Termination::NoProgress,
-                        (true, false) => Termination::NonFinite,
-                    };
-                }
-                let trial = problem(&(point + step))
-                    .ok()
-                    .filter(NormalEquations::is_finite);
-                finite = trial.is_some();
-                if let Some(there) = trial.filter(|there| there.cost < here.cost) {
-                    damping.relax((here.cost - there.cost) / predicted);
-                    point += step;
-                    here = there;
-                    continue;
-                }
-                // The first step after a success promised little and gave nothing: what is left to
-                // gain is less than the cost's own rounding errors.
-                if finite && !damping.rejected && predicted <= T::epsilon().sqrt() * here.cost {
-                    break Termination::SmallReduction;
-                }
-            }
-            if !damping.tighten() {
-                break if finite {
-                    Termination::NoProgress
-                } else {
-                    Termination::NonFinite
-                };
-            }
         };
+        let Run {
+            point,
+            here,
+            iterations,
+            ..
+        } = run;
         Ok(Minimum {
             point,
             cost: here.cost,
@@ -300,6 +183,44 @@ impl<T: Ordered> LevenbergMarquardt<T> {
             iterations,
             termination,
         })
+    }
+
+    /// Tries one step; the reason to end, if there is one.
+    fn attempt<const R: usize, const C: usize, E>(
+        &self,
+        run: &mut Run<T, R, C>,
+        problem: &mut impl FnMut(&SMatrix<T, R, C>) -> Result<NormalEquations<T, R, C>, E>,
+    ) -> Option<Termination> {
+        if run.iterations >= self.max_iterations {
+            return Some(Termination::IterationLimit);
+        }
+        let shift = run.damping.value * run.here.largest_curvature();
+        let Some(step) = run.here.step(shift) else {
+            return run.damping.tighten(Termination::NoProgress);
+        };
+        let predicted = predicted_reduction(&run.here, &step, shift);
+        if let Some(reason) = self.negligible(&run.point, &run.here, &step, predicted) {
+            return run.damping.failure.or(Some(reason));
+        }
+        run.iterations += 1;
+        let Some(there) = problem(&(run.point + step))
+            .ok()
+            .filter(NormalEquations::is_finite)
+        else {
+            return run.damping.tighten(Termination::NonFinite);
+        };
+        if there.cost < run.here.cost {
+            run.damping.relax((run.here.cost - there.cost) / predicted);
+            run.point += step;
+            run.here = there;
+            return None;
+        }
+        // The first step after a success promised little and gave nothing: what is left to gain is
+        // less than the cost's own rounding errors.
+        if run.damping.failure.is_none() && predicted <= T::epsilon().sqrt() * run.here.cost {
+            return Some(Termination::SmallReduction);
+        }
+        run.damping.tighten(Termination::NoProgress)
     }
 
     fn at_minimum<const R: usize, const C: usize>(
