@@ -6,9 +6,12 @@ mod count;
 mod evaluate;
 pub mod field;
 mod graph;
+pub mod normal_form;
+mod optimise;
 pub mod interval;
 
 pub use calculus::{Tangent, gradient, needed, substitute, symbols_of, transfer};
 pub use count::{Operations, count};
 pub use evaluate::{evaluate, nearest};
 pub use graph::{Graph, Id, Node, Symbol, Unary};
+pub use optimise::{Effort, optimise};
