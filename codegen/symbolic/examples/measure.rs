@@ -24,7 +24,11 @@ fn report(name: &str, graph: &Graph, ids: &[Id]) {
     if let Some(polynomials) = normal_form::expand(graph, ids, 4000) {
         let elapsed = start.elapsed();
         let (form, form_ids) = polynomials.rebuild();
-        println!("    normal form {} ({} terms, {elapsed:.1?})", count(&form, &form_ids).flops(), polynomials.terms());
+        println!(
+            "    normal form {} ({} terms, {elapsed:.1?})",
+            count(&form, &form_ids).flops(),
+            polynomials.terms()
+        );
     }
     for effort in [Effort::Quick, Effort::Thorough] {
         let start = Instant::now();

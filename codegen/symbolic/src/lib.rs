@@ -6,9 +6,9 @@ mod count;
 mod evaluate;
 pub mod field;
 mod graph;
+pub mod interval;
 pub mod normal_form;
 mod optimise;
-pub mod interval;
 
 pub use calculus::{Tangent, gradient, needed, substitute, symbols_of, transfer};
 pub use count::{Operations, count};

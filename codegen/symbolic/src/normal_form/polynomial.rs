@@ -7,7 +7,12 @@ use crate::{Graph, Id};
 pub(crate) type Polynomial = Vec<(Monomial, Id)>;
 
 /// `a + factor·b`.
-pub(crate) fn add_scaled(graph: &mut Graph, a: &[(Monomial, Id)], b: &[(Monomial, Id)], factor: Id) -> Polynomial {
+pub(crate) fn add_scaled(
+    graph: &mut Graph,
+    a: &[(Monomial, Id)],
+    b: &[(Monomial, Id)],
+    factor: Id,
+) -> Polynomial {
     let mut sum = Vec::with_capacity(a.len() + b.len());
     let (mut i, mut j) = (0, 0);
     while i < a.len() || j < b.len() {
@@ -52,7 +57,11 @@ pub(crate) fn collect(graph: &mut Graph, mut terms: Vec<(Monomial, Id)>) -> Poly
 pub(crate) type Circle = (usize, usize);
 
 /// Terms reduced by the circles: no first variable is left squared. `None` when an exponent overflows.
-pub(crate) fn reduce(graph: &mut Graph, circles: &[Circle], terms: Vec<(Monomial, Id)>) -> Option<Vec<(Monomial, Id)>> {
+pub(crate) fn reduce(
+    graph: &mut Graph,
+    circles: &[Circle],
+    terms: Vec<(Monomial, Id)>,
+) -> Option<Vec<(Monomial, Id)>> {
     let mut done = Vec::with_capacity(terms.len());
     let mut open = terms;
     while let Some((monomial, coefficient)) = open.pop() {

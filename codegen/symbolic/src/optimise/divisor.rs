@@ -105,7 +105,8 @@ impl Divisors {
         let key = mix(hash_a ^ mix(hash_b ^ mix(ratio.value())));
         let before = multiplications(factors_a, units.0) + multiplications(factors_b, units.1);
         let worth = 1 + before - count as i32;
-        let definition = 1 + multiplications(factors_a - count, true) + multiplications(factors_b - count, true);
+        let definition =
+            1 + multiplications(factors_a - count, true) + multiplications(factors_b - count, true);
         self.note(key, Shape::Pair, (a, b), worth, definition);
     }
 

@@ -146,7 +146,8 @@ impl Emitter<'_> {
 /// Polynomials as a system of sums.
 pub(super) fn from_polynomials(polynomials: &Polynomials) -> System {
     let mut system = System::new(polynomials.coefficients.clone());
-    let sums: Vec<Variable> = polynomials.values.iter().map(|_| system.variable(Kind::Sum(Vec::new()))).collect();
+    let sums: Vec<Variable> =
+        polynomials.values.iter().map(|_| system.variable(Kind::Sum(Vec::new()))).collect();
     let atoms: Vec<Variable> = polynomials
         .atoms
         .iter()
