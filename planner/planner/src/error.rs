@@ -52,6 +52,11 @@ pub enum Error {
         /// What W should be.
         expected: &'static str,
     },
+    /// A constant matrix or vector has an infinite entry or one that is no number.
+    NonFiniteMatrix {
+        /// Which one.
+        matrix: &'static str,
+    },
     /// A quantity is infinite or no number.
     NonFinite {
         /// Which one.
@@ -79,30 +84,14 @@ pub enum Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::Invalid {
-                field,
-                value,
-                expected,
-            } => {
+            Self::Invalid { field, value, expected } => {
                 write!(f, "{field} is {value}, expected {expected}")
             }
-            Self::InvalidEntry {
-                field,
-                index,
-                value,
-                expected,
-            } => {
-                write!(
-                    f,
-                    "entry {index} of the {field} is {value}, expected {expected}"
-                )
+            Self::InvalidEntry { field, index, value, expected } => {
+                write!(f, "entry {index} of the {field} is {value}, expected {expected}")
             }
-            Self::Length {
-                field,
-                found,
-                expected,
-            } => {
-                write!(f, "{found} {field} given, expected {expected}")
+            Self::Length { field, found, expected } => {
+                write!(f, "the number of {field} is {found}, expected {expected}")
             }
             Self::UselessShapeSet { set } => write!(
                 f,
@@ -112,17 +101,11 @@ impl fmt::Display for Error {
             Self::WeightMatrix { row, expected } => {
                 write!(f, "the weight matrix is not {expected}: see row {row}")
             }
+            Self::NonFiniteMatrix { matrix } => write!(f, "the {matrix} is not finite"),
             Self::NonFinite { quantity, time } => {
                 write!(f, "the {quantity} is not finite at t = {time} s")
             }
-            Self::OutOfRange {
-                coordinate,
-                unit,
-                time,
-                value,
-                lower,
-                upper,
-            } => write!(
+            Self::OutOfRange { coordinate, unit, time, value, lower, upper } => write!(
                 f,
                 "`{coordinate}` is planned to {value} {unit} at t = {time} s, \
                  outside its range {lower} to {upper} {unit}"

@@ -42,14 +42,9 @@ impl<T: Ordered, const NS: usize> Weighting<'_, T, NS> {
     {
         let shape_gain = robot.shape_gain();
         if !is_finite(&shape_gain) {
-            return Err(Error::NonFinite {
-                quantity: "shape gain",
-                time: 0.0,
-            });
+            return Err(Error::NonFiniteMatrix { matrix: "shape gain" });
         }
-        let singular = Error::Singular {
-            matrix: "weighted shape gain",
-        };
+        let singular = Error::Singular { matrix: "weighted shape gain" };
         match self {
             Self::MinimumNorm => pseudo_inverse(&shape_gain).ok_or(singular),
             Self::Contributions(ratios) => {
@@ -57,9 +52,7 @@ impl<T: Ordered, const NS: usize> Weighting<'_, T, NS> {
             }
             Self::Matrix(weight) => {
                 check_weight(weight)?;
-                pseudo_inverse(&(shape_gain * weight))
-                    .map(|p| weight * p)
-                    .ok_or(singular)
+                pseudo_inverse(&(shape_gain * weight)).map(|p| weight * p).ok_or(singular)
             }
         }
     }
@@ -98,21 +91,13 @@ fn check_set(set: &ShapeSet, expected: usize, shape_count: usize) -> Result<(), 
     } else {
         return Ok(());
     };
-    Err(Error::Length {
-        field,
-        found,
-        expected,
-    })
+    Err(Error::Length { field, found, expected })
 }
 
 /// Checks the contributions and returns their sum.
 fn check_ratios<T: Ordered>(ratios: &[T], sets: usize) -> Result<T, Error> {
     if ratios.len() != sets {
-        return Err(Error::Length {
-            field: "contributions",
-            found: ratios.len(),
-            expected: sets,
-        });
+        return Err(Error::Length { field: "contributions", found: ratios.len(), expected: sets });
     }
     let mut sum = T::zero();
     for (index, &ratio) in ratios.iter().enumerate() {
@@ -129,36 +114,23 @@ fn check_ratios<T: Ordered>(ratios: &[T], sets: usize) -> Result<T, Error> {
     if (sum.to_f64() - 1.0).abs() <= SUM_TOLERANCE {
         return Ok(sum);
     }
-    Err(Error::Invalid {
-        field: "sum of the contributions",
-        value: sum.to_f64(),
-        expected: "1",
-    })
+    Err(Error::Invalid { field: "sum of the contributions", value: sum.to_f64(), expected: "1" })
 }
 
 fn check_weight<T: Ordered, const NS: usize>(weight: &SMatrix<T, NS, NS>) -> Result<(), Error> {
     if !is_finite(weight) {
-        return Err(Error::NonFinite {
-            quantity: "weight matrix",
-            time: 0.0,
-        });
+        return Err(Error::NonFiniteMatrix { matrix: "weight matrix" });
     }
     let tolerance = largest(weight.iter().copied()) * T::epsilon() * T::from_f64(8.0);
     for row in 0..NS {
         for column in 0..row {
             if (weight[(row, column)] - weight[(column, row)]).abs() > tolerance {
-                return Err(Error::WeightMatrix {
-                    row,
-                    expected: "symmetric",
-                });
+                return Err(Error::WeightMatrix { row, expected: "symmetric" });
             }
         }
     }
     match first_indefinite_row(*weight) {
         None => Ok(()),
-        Some(row) => Err(Error::WeightMatrix {
-            row,
-            expected: "positive definite",
-        }),
+        Some(row) => Err(Error::WeightMatrix { row, expected: "positive definite" }),
     }
 }

@@ -13,17 +13,11 @@ use shapebot_dynamics::Ordered;
 pub const MIN_SAMPLES: usize = 4;
 
 /// First integral of the cubic over interval `[k]` of its stencil, in units of h/24.
-const ONCE: [[f64; 4]; 3] = [
-    [9.0, 19.0, -5.0, 1.0],
-    [-1.0, 13.0, 13.0, -1.0],
-    [1.0, -5.0, 19.0, 9.0],
-];
+const ONCE: [[f64; 4]; 3] =
+    [[9.0, 19.0, -5.0, 1.0], [-1.0, 13.0, 13.0, -1.0], [1.0, -5.0, 19.0, 9.0]];
 /// Second integral ∫∫, in units of h²/360.
-const TWICE: [[f64; 4]; 3] = [
-    [97.0, 114.0, -39.0, 8.0],
-    [-8.0, 129.0, 66.0, -7.0],
-    [7.0, -36.0, 171.0, 38.0],
-];
+const TWICE: [[f64; 4]; 3] =
+    [[97.0, 114.0, -39.0, 8.0], [-8.0, 129.0, 66.0, -7.0], [7.0, -36.0, 171.0, 38.0]];
 
 /// What can be integrated: a vector, or a vector with its sensitivities.
 pub(crate) trait Linear<T>: Copy {
@@ -74,16 +68,7 @@ impl<T: Ordered, S: Accelerated<T>, F: FnMut(usize) -> S> DoubleIntegral<T, S, F
         mut source: F,
     ) -> Self {
         let window = [source(0), source(1), source(2), source(3)];
-        Self {
-            source,
-            count,
-            step,
-            window,
-            first: 0,
-            next: 0,
-            velocity,
-            position,
-        }
+        Self { source, count, step, window, first: 0, next: 0, velocity, position }
     }
 
     /// Moves the state over interval `interval` of the window.
@@ -93,10 +78,8 @@ impl<T: Ordered, S: Accelerated<T>, F: FnMut(usize) -> S> DoubleIntegral<T, S, F
         let mut position = self.position.plus(self.step, &self.velocity);
         let mut velocity = self.velocity;
         for (k, sample) in self.window.iter().enumerate() {
-            position = position.plus(
-                twice * T::from_f64(TWICE[interval][k]),
-                sample.acceleration(),
-            );
+            position =
+                position.plus(twice * T::from_f64(TWICE[interval][k]), sample.acceleration());
             velocity = velocity.plus(once * T::from_f64(ONCE[interval][k]), sample.acceleration());
         }
         self.position = position;
@@ -114,27 +97,17 @@ impl<T: Ordered, S: Accelerated<T>, F: FnMut(usize) -> S> Iterator for DoubleInt
         }
         if node > 0 {
             // The interval from node − 1 to node, in the middle of the stencil where there is room.
-            let stencil = node
-                .saturating_sub(2)
-                .min(self.count.saturating_sub(MIN_SAMPLES));
+            let stencil = node.saturating_sub(2).min(self.count.saturating_sub(MIN_SAMPLES));
             if stencil > self.first {
                 self.first = stencil;
-                self.window = [
-                    self.window[1],
-                    self.window[2],
-                    self.window[3],
-                    (self.source)(stencil + 3),
-                ];
+                self.window =
+                    [self.window[1], self.window[2], self.window[3], (self.source)(stencil + 3)];
             }
             self.advance((node - 1 - self.first).min(2));
         }
         self.next += 1;
         let sample = self.window[(node - self.first).min(3)];
-        Some(Integrated {
-            sample,
-            velocity: self.velocity,
-            position: self.position,
-        })
+        Some(Integrated { sample, velocity: self.velocity, position: self.position })
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {
@@ -167,16 +140,10 @@ mod tests {
         acceleration: impl Fn(f64) -> f64,
     ) -> impl ExactSizeIterator<Item = Integrated<(f64, Vector1<f64>), Vector1<f64>>> {
         let step = duration / (count - 1) as f64;
-        DoubleIntegral::new(
-            count,
-            step,
-            Vector1::new(start[1]),
-            Vector1::new(start[0]),
-            move |i| {
-                let t = i as f64 * step;
-                (t, Vector1::new(acceleration(t)))
-            },
-        )
+        DoubleIntegral::new(count, step, Vector1::new(start[1]), Vector1::new(start[0]), move |i| {
+            let t = i as f64 * step;
+            (t, Vector1::new(acceleration(t)))
+        })
     }
 
     #[test]

@@ -25,10 +25,7 @@ pub(crate) fn norm<T: Ordered, const N: usize>(v: &SVector<T, N>) -> T {
 }
 
 pub(crate) fn largest<T: Ordered>(values: impl IntoIterator<Item = T>) -> T {
-    values.into_iter().fold(
-        T::zero(),
-        |max, x| if x.abs() > max { x.abs() } else { max },
-    )
+    values.into_iter().fold(T::zero(), |max, x| if x.abs() > max { x.abs() } else { max })
 }
 
 /// Solves A X = B by Gaussian elimination with partial pivoting; `None` if A is singular to working
@@ -168,14 +165,8 @@ mod tests {
         assert!((a * x - SMatrix::<f64, 2, 2>::identity()).abs().max() < 1e-15);
         let projector = x * a;
         assert!((projector - projector.transpose()).abs().max() < 1e-15);
-        assert_eq!(
-            pseudo_inverse(&Matrix2x3::new(1.0, 2.0, 3.0, 2.0, 4.0, 6.0)),
-            None
-        );
-        assert_eq!(
-            pseudo_inverse(&SMatrix::<f64, 3, 2>::from_fn(|i, j| (i + j * j) as f64)),
-            None
-        );
+        assert_eq!(pseudo_inverse(&Matrix2x3::new(1.0, 2.0, 3.0, 2.0, 4.0, 6.0)), None);
+        assert_eq!(pseudo_inverse(&SMatrix::<f64, 3, 2>::from_fn(|i, j| (i + j * j) as f64)), None);
     }
 
     #[test]

@@ -58,10 +58,7 @@ type ByFactor<T, const NX: usize> = [[SVector<T, NX>; NX]; NX];
 impl<T: Ordered, const NX: usize> Sensitive<T, NX> {
     /// A vector that does not depend on S.
     fn constant(value: SVector<T, NX>) -> Self {
-        Self {
-            value,
-            by_factor: [[SVector::zeros(); NX]; NX],
-        }
+        Self { value, by_factor: [[SVector::zeros(); NX]; NX] }
     }
 }
 
@@ -127,8 +124,7 @@ where
     }
 
     fn desired(&self, index: usize) -> Desired<T, NX> {
-        self.map
-            .desired(self.motion.derivatives(self.grid.time(index)))
+        self.map.desired(self.motion.derivatives(self.grid.time(index)))
     }
 
     /// Γ along q_s = K a with its derivatives by S: ∂q_s/∂S_ij is column i of K⁰ times a_j, and so
@@ -136,8 +132,7 @@ where
     fn sample(&self, gain: &SMatrix<T, NS, NX>, index: usize) -> Sample<T, NX, NS> {
         let plan = PlanPoint::new(self.grid.time(index), self.desired(index), gain);
         let response =
-            self.robot
-                .response(&plan.shape, &plan.shape_velocity, &plan.shape_acceleration);
+            self.robot.response(&plan.shape, &plan.shape_velocity, &plan.shape_acceleration);
         let by_shape = response.d_qs * self.initial_gain;
         let by_rate = response.d_qsd * self.initial_gain;
         let by_acceleration = response.d_qsdd * self.initial_gain;
@@ -149,13 +144,7 @@ where
                     + column(&by_acceleration, i) * dda[j]
             })
         });
-        Sample {
-            plan,
-            acceleration: Sensitive {
-                value: response.gamma,
-                by_factor,
-            },
-        }
+        Sample { plan, acceleration: Sensitive { value: response.gamma, by_factor } }
     }
 
     /// The residual of one sample and its derivatives by S.
@@ -165,23 +154,15 @@ where
     ) -> (SVector<T, NX>, ByFactor<T, NX>) {
         let PlanPoint { shape, desired, .. } = &node.sample.plan;
         let position = &node.position;
-        let scaled = || {
-            position
-                .by_factor
-                .map(|row| row.map(|x| self.map.jacobian * x))
-        };
+        let scaled = || position.by_factor.map(|row| row.map(|x| self.map.jacobian * x));
         match self.objective {
             Objective::Acceleration => {
                 let acceleration = &node.sample.acceleration;
-                (
-                    acceleration.value - desired.position[2],
-                    acceleration.by_factor,
-                )
+                (acceleration.value - desired.position[2], acceleration.by_factor)
             }
-            Objective::Position => (
-                self.map.jacobian * (position.value - desired.position[0]),
-                scaled(),
-            ),
+            Objective::Position => {
+                (self.map.jacobian * (position.value - desired.position[0]), scaled())
+            }
             Objective::Output => {
                 let through_shape =
                     self.robot.output_jacobian_shape(&position.value, shape) * self.initial_gain;
@@ -191,10 +172,7 @@ where
                         *entry += column(&through_shape, i) * desired.position[2][j];
                     }
                 }
-                (
-                    self.robot.output(&position.value, shape) - desired.output[0],
-                    by_factor,
-                )
+                (self.robot.output(&position.value, shape) - desired.output[0], by_factor)
             }
         }
     }
@@ -214,17 +192,11 @@ where
             } else {
                 continue;
             };
-            return Error::NonFinite {
-                quantity,
-                time: plan.time.to_f64(),
-            };
+            return Error::NonFinite { quantity, time: plan.time.to_f64() };
         }
         // Each sample is finite, their sums are not.
         let time = self.grid.time(self.grid.count.saturating_sub(1)).to_f64();
-        Error::NonFinite {
-            quantity: "objective",
-            time,
-        }
+        Error::NonFinite { quantity: "objective", time }
     }
 }
 
@@ -236,21 +208,12 @@ mod tests {
     use crate::{Weighting, reference};
     use nalgebra::{Matrix2, Matrix2x6, Vector2};
 
-    const OBJECTIVES: [Objective; 3] = [
-        Objective::Output,
-        Objective::Position,
-        Objective::Acceleration,
-    ];
+    const OBJECTIVES: [Objective; 3] =
+        [Objective::Output, Objective::Position, Objective::Acceleration];
 
     /// A curve that excites all of S, with a start that is not at rest.
-    const POINTS: [[f64; 2]; 6] = [
-        [0.0, 0.0],
-        [0.1, -0.05],
-        [0.2, 0.3],
-        [0.9, 0.4],
-        [1.0, 1.1],
-        [1.2, 1.0],
-    ];
+    const POINTS: [[f64; 2]; 6] =
+        [[0.0, 0.0], [0.1, -0.05], [0.2, 0.3], [0.9, 0.4], [1.0, 1.1], [1.2, 1.0]];
 
     fn check_all<R, const NS: usize>(
         robot: &R,
@@ -305,28 +268,16 @@ mod tests {
             0.0, -0.7, 0.0, -0.7, 0.0, 82.0, //
             0.7, 0.0, 0.7, 0.0, -82.0, 0.0,
         );
-        let (from, step) = (
-            Matrix2::new(1.0, 0.2, -0.1, 0.8),
-            Matrix2::new(0.3, -0.2, 0.1, 0.5),
-        );
-        check_all(
-            &Robot(LinearArms {
-                shape_gain,
-                tau_squared: 0.1,
-            }),
-            |equations| {
-                let here = equations(&from);
-                // The parameters' order is row by row, nalgebra's column by column.
-                let parameters = step.transpose();
-                let bend = here.curvature.iter().flatten().zip(parameters.iter());
-                let bend: f64 = bend.map(|(row, s)| row.dot(&step) * s).sum();
-                let predicted = here.cost + 2.0 * here.gradient.dot(&step) + bend;
-                let there = equations(&(from + step)).cost;
-                assert!(
-                    (there - predicted).abs() < 1e-12 * there,
-                    "{there} {predicted}"
-                );
-            },
-        );
+        let (from, step) = (Matrix2::new(1.0, 0.2, -0.1, 0.8), Matrix2::new(0.3, -0.2, 0.1, 0.5));
+        check_all(&Robot(LinearArms { shape_gain, tau_squared: 0.1 }), |equations| {
+            let here = equations(&from);
+            // The parameters' order is row by row, nalgebra's column by column.
+            let parameters = step.transpose();
+            let bend = here.curvature.iter().flatten().zip(parameters.iter());
+            let bend: f64 = bend.map(|(row, s)| row.dot(&step) * s).sum();
+            let predicted = here.cost + 2.0 * here.gradient.dot(&step) + bend;
+            let there = equations(&(from + step)).cost;
+            assert!((there - predicted).abs() < 1e-12 * there, "{there} {predicted}");
+        });
     }
 }

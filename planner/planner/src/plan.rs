@@ -71,10 +71,7 @@ impl<T: Ordered, const NX: usize, const NS: usize> Row<T, NX, NS> {
         } else {
             return Ok(());
         };
-        Err(Error::NonFinite {
-            quantity,
-            time: self.plan.time.to_f64(),
-        })
+        Err(Error::NonFinite { quantity, time: self.plan.time.to_f64() })
     }
 
     /// Whether every coordinate is in its declared range.
@@ -166,9 +163,7 @@ impl<T: Ordered, const NS: usize> Report<T, NS> {
         self.acceleration_cost += acceleration.dot(&acceleration);
         self.output_end_error = norm(&output);
         self.output_max_error = largest([self.output_max_error, norm(&output)]);
-        self.peak_shape = self
-            .peak_shape
-            .zip_map(&row.plan.shape, |a, b| largest([a, b]));
+        self.peak_shape = self.peak_shape.zip_map(&row.plan.shape, |a, b| largest([a, b]));
         self.evaluations = self.evaluations.saturating_add(1);
     }
 
@@ -182,9 +177,7 @@ impl<T: Ordered, const NS: usize> Report<T, NS> {
     }
 
     fn is_finite(&self) -> bool {
-        [self.output_rmse, self.position_rmse, self.acceleration_cost]
-            .iter()
-            .all(|x| x.is_finite())
+        [self.output_rmse, self.position_rmse, self.acceleration_cost].iter().all(|x| x.is_finite())
     }
 }
 
@@ -327,10 +320,8 @@ where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
     {
         let description = robot.shape_description();
-        let (positions, shapes) = (
-            description.position_coordinates(),
-            description.shape_coordinates(),
-        );
+        let (positions, shapes) =
+            (description.position_coordinates(), description.shape_coordinates());
         let mut report = self.report;
         for row in self.rows(robot) {
             row.check_finite()?;
@@ -342,9 +333,6 @@ where
             return Ok(());
         }
         let time = self.grid.time(self.grid.count.saturating_sub(1)).to_f64();
-        Err(Error::NonFinite {
-            quantity: "squared error of the plan",
-            time,
-        })
+        Err(Error::NonFinite { quantity: "squared error of the plan", time })
     }
 }

@@ -146,26 +146,10 @@ where
 {
     let description = robot.shape_description();
     let check = |field, found, expected| {
-        if found == expected {
-            Ok(())
-        } else {
-            Err(Error::Length {
-                field,
-                found,
-                expected,
-            })
-        }
+        if found == expected { Ok(()) } else { Err(Error::Length { field, found, expected }) }
     };
-    check(
-        "position coordinates described",
-        description.position_count,
-        NX,
-    )?;
-    check(
-        "coordinates described",
-        description.coordinates.len(),
-        NX + NS,
-    )
+    check("position coordinates described", description.position_count, NX)?;
+    check("coordinates described", description.coordinates.len(), NX + NS)
 }
 
 fn check_optimiser<T: Ordered>(optimiser: &LevenbergMarquardt<T>) -> Result<(), Error> {
@@ -186,11 +170,7 @@ fn check_optimiser<T: Ordered>(optimiser: &LevenbergMarquardt<T>) -> Result<(), 
     ] {
         if !value.is_finite() || value < T::zero() {
             let expected = "a finite number that is not negative";
-            return Err(Error::Invalid {
-                field,
-                value: value.to_f64(),
-                expected,
-            });
+            return Err(Error::Invalid { field, value: value.to_f64(), expected });
         }
     }
     Ok(())

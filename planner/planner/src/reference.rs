@@ -33,29 +33,17 @@ impl<T: Ordered, const NX: usize> OutputMap<T, NX> {
     {
         let jacobian = robot.output_jacobian_position();
         let origin = robot.output(&SVector::zeros(), &SVector::zeros());
-        let inverse = inverse(jacobian).ok_or(Error::Singular {
-            matrix: "output Jacobian",
-        })?;
+        let inverse = inverse(jacobian).ok_or(Error::Singular { matrix: "output Jacobian" })?;
         if !is_finite(&origin) {
-            return Err(Error::NonFinite {
-                quantity: "output of the origin",
-                time: 0.0,
-            });
+            return Err(Error::NonFiniteMatrix { matrix: "output of the origin" });
         }
-        Ok(Self {
-            jacobian,
-            inverse,
-            origin,
-        })
+        Ok(Self { jacobian, inverse, origin })
     }
 
     pub(crate) fn desired(&self, output: Derivatives<T, NX>) -> Desired<T, NX> {
         let mut relative = output;
         relative[0] -= self.origin;
-        Desired {
-            output,
-            position: relative.map(|x| self.inverse * x),
-        }
+        Desired { output, position: relative.map(|x| self.inverse * x) }
     }
 }
 
@@ -79,10 +67,7 @@ impl<T: Ordered> Grid<T> {
                 expected: "at least 4",
             });
         }
-        Ok(Self {
-            count,
-            duration: motion.duration(),
-        })
+        Ok(Self { count, duration: motion.duration() })
     }
 
     pub(crate) fn step(&self) -> T {

@@ -20,10 +20,7 @@ fn shape_gain() -> Matrix2x6<f64> {
 }
 
 fn arms() -> Robot<LinearArms> {
-    Robot(LinearArms {
-        shape_gain: shape_gain(),
-        tau_squared: 0.1,
-    })
+    Robot(LinearArms { shape_gain: shape_gain(), tau_squared: 0.1 })
 }
 
 fn contributions(ratios: [f64; 3]) -> Result<Gain, Error> {
@@ -33,13 +30,7 @@ fn contributions(ratios: [f64; 3]) -> Result<Gain, Error> {
 /// W of Eqs. 27-30.
 fn paper_weight(ratios: [f64; 3]) -> SMatrix<f64, 6, 6> {
     let weights = [1.0 / ARM, 1.0 / ARM, 1.0 / BODY];
-    SMatrix::from_fn(|i, j| {
-        if i == j {
-            weights[i / 2] * ratios[i / 2].sqrt()
-        } else {
-            0.0
-        }
-    })
+    SMatrix::from_fn(|i, j| if i == j { weights[i / 2] * ratios[i / 2].sqrt() } else { 0.0 })
 }
 
 fn close<const R: usize, const C: usize>(
@@ -52,15 +43,8 @@ fn close<const R: usize, const C: usize>(
 
 #[test]
 fn contributions_are_equations_28_to_30() {
-    for ratios in [
-        [0.2, 0.3, 0.5],
-        [1.0 / 3.0; 3],
-        [0.25, 0.25, 0.5],
-        [1e-6, 1e-6, 1.0 - 2e-6],
-    ] {
-        let general = Weighting::Matrix(paper_weight(ratios))
-            .gain(&arms())
-            .expect("a gain");
+    for ratios in [[0.2, 0.3, 0.5], [1.0 / 3.0; 3], [0.25, 0.25, 0.5], [1e-6, 1e-6, 1.0 - 2e-6]] {
+        let general = Weighting::Matrix(paper_weight(ratios)).gain(&arms()).expect("a gain");
         close(contributions(ratios).expect("a gain"), general, 1e-14);
     }
 }
@@ -80,20 +64,10 @@ fn contributions_give_the_reference_gains() {
     let third = 1.0 / 3.0;
     expect(
         column([third; 3]),
-        [
-            -0.462_332_589_108_207_46,
-            -0.462_332_589_108_207_46,
-            0.004_058_073_187_620_915,
-        ],
+        [-0.462_332_589_108_207_46, -0.462_332_589_108_207_46, 0.004_058_073_187_620_915],
     );
-    expect(
-        column([0.5, 0.5, 0.0]),
-        [-0.693_498_883_662_311_2, -0.693_498_883_662_311_2, 0.0],
-    );
-    expect(
-        column([0.0, 0.0, 1.0]),
-        [0.0, 0.0, 0.012_174_219_562_862_74],
-    );
+    expect(column([0.5, 0.5, 0.0]), [-0.693_498_883_662_311_2, -0.693_498_883_662_311_2, 0.0]);
+    expect(column([0.0, 0.0, 1.0]), [0.0, 0.0, 0.012_174_219_562_862_74]);
 }
 
 #[test]
@@ -106,19 +80,12 @@ fn sets_without_contribution_stay_exactly_at_rest() {
 
 #[test]
 fn every_weighting_inverts_the_shape_gain() {
-    let skewed = SMatrix::<f64, 6, 6>::from_fn(|i, j| {
-        if i == j {
-            2.0
-        } else {
-            0.3 / (1 + i + j) as f64
-        }
-    });
+    let skewed =
+        SMatrix::<f64, 6, 6>::from_fn(|i, j| if i == j { 2.0 } else { 0.3 / (1 + i + j) as f64 });
     let ratios = [0.1, 0.2, 0.7];
-    for weighting in [
-        Weighting::MinimumNorm,
-        Weighting::Contributions(&ratios),
-        Weighting::Matrix(skewed),
-    ] {
+    for weighting in
+        [Weighting::MinimumNorm, Weighting::Contributions(&ratios), Weighting::Matrix(skewed)]
+    {
         let gain: Gain = weighting.gain(&arms()).expect("a gain");
         close(shape_gain() * gain, Matrix2::identity(), 1e-14);
     }
@@ -128,12 +95,7 @@ fn every_weighting_inverts_the_shape_gain() {
 #[test]
 fn a_square_gain_does_not_depend_on_the_weighting() {
     let robot = Robot(Spatial(TABLE_I));
-    let expected = Matrix2::new(
-        0.0,
-        -0.012_170_980_107_132_223,
-        0.012_170_980_107_132_223,
-        0.0,
-    );
+    let expected = Matrix2::new(0.0, -0.012_170_980_107_132_223, 0.012_170_980_107_132_223, 0.0);
     for weighting in [
         Weighting::MinimumNorm,
         Weighting::Contributions(&[1.0]),
@@ -145,27 +107,15 @@ fn a_square_gain_does_not_depend_on_the_weighting() {
 
 #[test]
 fn the_minimum_norm_gain_is_equation_24_without_weights() {
-    let unweighted = Weighting::Matrix(SMatrix::identity())
-        .gain(&arms())
-        .expect("a gain");
-    close(
-        Weighting::MinimumNorm.gain(&arms()).expect("a gain"),
-        unweighted,
-        1e-15,
-    );
+    let unweighted = Weighting::Matrix(SMatrix::identity()).gain(&arms()).expect("a gain");
+    close(Weighting::MinimumNorm.gain(&arms()).expect("a gain"), unweighted, 1e-15);
 }
 
 #[test]
 fn senseless_weights_are_refused_by_name() {
     let text = |result: Result<Gain, Error>| result.expect_err("refused").to_string();
-    assert_eq!(
-        text(contributions([0.0; 3])),
-        "sum of the contributions is 0, expected 1"
-    );
-    assert_eq!(
-        text(contributions([0.5, 0.5, 0.5])),
-        "sum of the contributions is 1.5, expected 1"
-    );
+    assert_eq!(text(contributions([0.0; 3])), "sum of the contributions is 0, expected 1");
+    assert_eq!(text(contributions([0.5, 0.5, 0.5])), "sum of the contributions is 1.5, expected 1");
     assert_eq!(
         text(contributions([1.5, -0.5, 0.0])),
         "entry 1 of the contributions is -0.5, expected a finite number that is not negative"
@@ -175,51 +125,30 @@ fn senseless_weights_are_refused_by_name() {
             .starts_with("entry 0 of the contributions is NaN")
     );
     let short = Weighting::Contributions(&[1.0]).gain(&arms());
-    assert_eq!(text(short), "1 contributions given, expected 3");
+    assert_eq!(text(short), "the number of contributions is 1, expected 3");
     let matrix = |weight| text(Weighting::Matrix(weight).gain(&arms()));
     let mut weight = SMatrix::<f64, 6, 6>::identity();
     weight[(4, 1)] = 0.5;
-    assert_eq!(
-        matrix(weight),
-        "the weight matrix is not symmetric: see row 4"
-    );
+    assert_eq!(matrix(weight), "the weight matrix is not symmetric: see row 4");
     weight[(1, 4)] = 0.5;
     weight[(2, 2)] = -1.0;
-    assert_eq!(
-        matrix(weight),
-        "the weight matrix is not positive definite: see row 2"
-    );
+    assert_eq!(matrix(weight), "the weight matrix is not positive definite: see row 2");
     weight[(2, 2)] = f64::NAN;
-    assert_eq!(matrix(weight), "the weight matrix is not finite at t = 0 s");
+    assert_eq!(matrix(weight), "the weight matrix is not finite");
 }
 
 #[test]
 fn a_shape_that_cannot_accelerate_the_robot_is_refused() {
     let mut shape_gain = shape_gain();
     shape_gain.fixed_columns_mut::<2>(2).fill(0.0);
-    let robot = Robot(LinearArms {
-        shape_gain,
-        tau_squared: 0.0,
-    });
+    let robot = Robot(LinearArms { shape_gain, tau_squared: 0.0 });
     let refusal = Weighting::Contributions(&[0.5, 0.5, 0.0]).gain(&robot);
     assert_eq!(refusal, Err(Error::UselessShapeSet { set: "alpha_r" }));
-    assert!(
-        Weighting::Contributions(&[0.5, 0.0, 0.5])
-            .gain(&robot)
-            .is_ok()
-    );
+    assert!(Weighting::Contributions(&[0.5, 0.0, 0.5]).gain(&robot).is_ok());
     shape_gain.row_mut(1).fill(0.0);
-    let robot = Robot(LinearArms {
-        shape_gain,
-        tau_squared: 0.0,
-    });
+    let robot = Robot(LinearArms { shape_gain, tau_squared: 0.0 });
     let refusal = Weighting::<f64, 6>::MinimumNorm.gain(&robot);
-    assert_eq!(
-        refusal,
-        Err(Error::Singular {
-            matrix: "weighted shape gain"
-        })
-    );
+    assert_eq!(refusal, Err(Error::Singular { matrix: "weighted shape gain" }));
 }
 
 #[test]
@@ -228,12 +157,7 @@ fn single_precision_gains_agree_with_double() {
     let double: SMatrix<f64, 1, 1> = Weighting::MinimumNorm.gain(&robot).expect("a gain");
     let single: SMatrix<f32, 1, 1> = Weighting::MinimumNorm.gain(&robot).expect("a gain");
     assert!((f64::from(single[0]) - double[0]).abs() < 1e-8);
-    let single: SMatrix<f32, 6, 2> = Weighting::Contributions(&[0.2_f32, 0.3, 0.5])
-        .gain(&arms())
-        .expect("a gain");
-    close(
-        single.map(f64::from),
-        contributions([0.2, 0.3, 0.5]).expect("a gain"),
-        1e-6,
-    );
+    let single: SMatrix<f32, 6, 2> =
+        Weighting::Contributions(&[0.2_f32, 0.3, 0.5]).gain(&arms()).expect("a gain");
+    close(single.map(f64::from), contributions([0.2, 0.3, 0.5]).expect("a gain"), 1e-6);
 }

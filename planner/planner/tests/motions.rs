@@ -13,9 +13,7 @@ fn line(distance: f64, duration: f64, degree: usize) -> Line<f64, 1> {
 /// The largest magnitude of the r-th derivative, on a fine grid.
 fn peak(motion: &impl DesiredMotion<f64, 1>, r: usize) -> f64 {
     let times = (0..=100_000).map(|i| motion.duration() * f64::from(i) / 1e5);
-    times
-        .map(|t| motion.derivatives(t)[r][0].abs())
-        .fold(0.0, f64::max)
+    times.map(|t| motion.derivatives(t)[r][0].abs()).fold(0.0, f64::max)
 }
 
 /// Largest difference of derivative r + 1 from a central difference of derivative r, as a fraction of
@@ -36,10 +34,8 @@ fn worst_difference<const N: usize>(motion: &impl DesiredMotion<f64, N>, r: usiz
 #[test]
 fn smooth_steps_are_the_textbook_polynomials() {
     // Degree 7: 35 τ⁴ − 84 τ⁵ + 70 τ⁶ − 20 τ⁷; degree 9: 126 τ⁵ − 420 τ⁶ + 540 τ⁷ − 315 τ⁸ + 70 τ⁹.
-    let textbook: [(usize, &[f64]); 2] = [
-        (7, &[35.0, -84.0, 70.0, -20.0]),
-        (9, &[126.0, -420.0, 540.0, -315.0, 70.0]),
-    ];
+    let textbook: [(usize, &[f64]); 2] =
+        [(7, &[35.0, -84.0, 70.0, -20.0]), (9, &[126.0, -420.0, 540.0, -315.0, 70.0])];
     for (degree, coefficients) in textbook {
         let step = SmoothStep::new(degree).expect("a degree");
         for i in 0..=64 {
@@ -47,10 +43,7 @@ fn smooth_steps_are_the_textbook_polynomials() {
             let lowest = i32::try_from(degree / 2 + 1).expect("small");
             let powers = (lowest..).map(|power| tau.powi(power));
             let expected: f64 = coefficients.iter().zip(powers).map(|(c, p)| c * p).sum();
-            assert!(
-                (step.derivatives(tau)[0] - expected).abs() < 1e-13,
-                "{degree} {tau}"
-            );
+            assert!((step.derivatives(tau)[0] - expected).abs() < 1e-13, "{degree} {tau}");
         }
     }
 }
@@ -63,28 +56,13 @@ fn smooth_steps_end_exactly() {
         let zeros = if degree == 7 { 3 } else { 4 };
         let (start, end) = (step.derivatives(0.0_f64), step.derivatives(1.0_f64));
         assert_eq!((start[0], end[0]), (0.0, 1.0));
-        assert!(
-            start[1..=zeros]
-                .iter()
-                .chain(&end[1..=zeros])
-                .all(|&d| d == 0.0),
-            "{degree}"
-        );
+        assert!(start[1..=zeros].iter().chain(&end[1..=zeros]).all(|&d| d == 0.0), "{degree}");
         let (start, end) = (step.derivatives(0.0_f32), step.derivatives(1.0_f32));
         assert_eq!((start[0], end[0]), (0.0, 1.0));
-        assert!(
-            start[1..=zeros]
-                .iter()
-                .chain(&end[1..=zeros])
-                .all(|&d| d == 0.0),
-            "{degree}"
-        );
+        assert!(start[1..=zeros].iter().chain(&end[1..=zeros]).all(|&d| d == 0.0), "{degree}");
     }
     // Degree seven has three zero derivatives, not four.
-    assert_eq!(
-        SmoothStep::new(7).expect("a degree").derivatives(0.0)[4],
-        840.0
-    );
+    assert_eq!(SmoothStep::new(7).expect("a degree").derivatives(0.0)[4], 840.0);
 }
 
 #[test]
@@ -95,10 +73,7 @@ fn smooth_steps_are_symmetric_and_monotone() {
         for i in 0..=128 {
             let tau = f64::from(i) / 128.0;
             let (here, mirrored) = (step.derivatives(tau), step.derivatives(1.0 - tau));
-            assert!(
-                (here[0] + mirrored[0] - 1.0).abs() < 1e-15,
-                "{degree} {tau}"
-            );
+            assert!((here[0] + mirrored[0] - 1.0).abs() < 1e-15, "{degree} {tau}");
             for (r, sign) in [(1, 1.0), (2, -1.0), (3, 1.0), (4, -1.0)] {
                 assert!((here[r] - sign * mirrored[r]).abs() <= 1e-13 * here[r].abs().max(1.0));
             }
@@ -134,17 +109,13 @@ fn derivatives_are_derivatives() {
             assert!(worst < 1e-6, "degree {degree}, derivative {r}: {worst:e}");
         }
     }
-    let points: Vec<_> = (0..12)
-        .map(|k| Vector2::new(f64::from(k * k % 7), f64::from(k) * 0.3))
-        .collect();
+    let points: Vec<_> =
+        (0..12).map(|k| Vector2::new(f64::from(k * k % 7), f64::from(k) * 0.3)).collect();
     for count in 2..=12 {
         let curve = Bezier::new(&points[..count], 2.5).expect("a curve");
         for r in (0..4).take(count - 1) {
             let worst = worst_difference(&curve, r);
-            assert!(
-                worst.is_nan() || worst < 1e-6,
-                "{count} points, derivative {r}: {worst:e}"
-            );
+            assert!(worst.is_nan() || worst < 1e-6, "{count} points, derivative {r}: {worst:e}");
         }
     }
 }
@@ -174,9 +145,8 @@ fn a_bezier_curve_of_degree_one_is_uniform_motion() {
 #[test]
 fn a_bezier_curve_with_points_at_both_ends_is_a_smooth_step() {
     for degree in DEGREES {
-        let points: Vec<_> = (0..=degree)
-            .map(|k| Vector1::new(if k > degree / 2 { 2.0 } else { 0.0 }))
-            .collect();
+        let points: Vec<_> =
+            (0..=degree).map(|k| Vector1::new(if k > degree / 2 { 2.0 } else { 0.0 })).collect();
         let curve = Bezier::new(&points, 5.0).expect("a curve");
         assert_eq!(curve.degree(), degree);
         let line = line(2.0, 5.0, degree);
@@ -207,11 +177,9 @@ fn unusable_motions_are_refused_by_name() {
     for (degree, text) in [(8, "degree is 8"), (5, "degree is 5"), (19, "degree is 19")] {
         assert!(refusal(Line::new(origin, origin, 1.0, degree)).starts_with(text));
     }
-    for (duration, text) in [
-        (0.0, "duration is 0"),
-        (-1.0, "duration is -1"),
-        (f64::NAN, "duration is NaN"),
-    ] {
+    for (duration, text) in
+        [(0.0, "duration is 0"), (-1.0, "duration is -1"), (f64::NAN, "duration is NaN")]
+    {
         assert!(refusal(Line::new(origin, origin, duration, 9)).starts_with(text));
     }
     let nowhere = Vector1::new(f64::INFINITY);
@@ -222,12 +190,6 @@ fn unusable_motions_are_refused_by_name() {
     for count in [0, 1, MAX_BEZIER_DEGREE + 2] {
         let points = vec![origin; count];
         let error = Bezier::new(&points, 1.0).expect_err("refused");
-        assert!(matches!(
-            error,
-            Error::Invalid {
-                field: "number of control points",
-                ..
-            }
-        ));
+        assert!(matches!(error, Error::Invalid { field: "number of control points", .. }));
     }
 }

@@ -16,16 +16,10 @@ const RELATIVE: f64 = 1e-6;
 const METRES: f64 = 1e-8;
 
 fn load(name: &str) -> Option<Value> {
-    let path = format!(
-        "{}/../../tests/reference/planning/{name}.json",
-        env!("CARGO_MANIFEST_DIR")
-    );
+    let path = format!("{}/../../tests/reference/planning/{name}.json", env!("CARGO_MANIFEST_DIR"));
     let Ok(text) = std::fs::read_to_string(&path) else {
         let required = std::env::var("SHAPEBOT_REQUIRE").unwrap_or_default();
-        assert!(
-            !required.split(',').any(|word| word == "reference"),
-            "{path} is missing"
-        );
+        assert!(!required.split(',').any(|word| word == "reference"), "{path} is missing");
         // A packaged crate has no reference data beside it.
         let _ = writeln!(std::io::stderr(), "skipped: no reference data at {path}");
         return None;
@@ -34,19 +28,11 @@ fn load(name: &str) -> Option<Value> {
 }
 
 fn number(value: &Value) -> f64 {
-    value
-        .as_f64()
-        .unwrap_or_else(|| panic!("{value} is no number"))
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 fn field(value: &Value, names: [&str; 2]) -> f64 {
-    number(
-        names
-            .iter()
-            .map(|name| &value[name])
-            .find(|v| !v.is_null())
-            .expect("a field"),
-    )
+    number(names.iter().map(|name| &value[name]).find(|v| !v.is_null()).expect("a field"))
 }
 
 fn vector<const N: usize>(value: &Value, offset: usize) -> SVector<f64, N> {
@@ -69,19 +55,13 @@ fn close<const R: usize, const C: usize>(
     tolerance: f64,
 ) {
     let difference = largest(found - expected);
-    assert!(
-        difference <= tolerance,
-        "{what}: {found} for {expected}, off by {difference:e}"
-    );
+    assert!(difference <= tolerance, "{what}: {found} for {expected}, off by {difference:e}");
 }
 
 #[track_caller]
 fn close_number(what: &str, found: f64, expected: f64, tolerance: f64) {
     let difference = (found - expected).abs();
-    assert!(
-        difference <= tolerance,
-        "{what}: {found} for {expected}, off by {difference:e}"
-    );
+    assert!(difference <= tolerance, "{what}: {found} for {expected}, off by {difference:e}");
 }
 
 /// The desired motion of a reference case.
@@ -97,11 +77,7 @@ impl<const NX: usize> Motion<NX> {
             let points = task["pts"].as_array().expect("control points");
             return Self::Bezier(points.iter().map(|p| vector(p, 0)).collect(), duration);
         }
-        let direction = if task["direction"].is_null() {
-            &task["dir"]
-        } else {
-            &task["direction"]
-        };
+        let direction = if task["direction"].is_null() { &task["dir"] } else { &task["direction"] };
         let goal: SVector<f64, NX> = vector(direction, 0) * field(task, ["distance_m", "D"]);
         Self::Line(Line::new(SVector::zeros(), goal, duration, 9).expect("a line"))
     }
@@ -117,9 +93,9 @@ impl<const NX: usize> DesiredMotion<f64, NX> for Motion<NX> {
     fn derivatives(&self, t: f64) -> [SVector<f64, NX>; 5] {
         match self {
             Self::Line(line) => line.derivatives(t),
-            Self::Bezier(points, duration) => Bezier::new(points, *duration)
-                .expect("a curve")
-                .derivatives(t),
+            Self::Bezier(points, duration) => {
+                Bezier::new(points, *duration).expect("a curve").derivatives(t)
+            }
         }
     }
 }
@@ -136,23 +112,13 @@ impl<E: Equations<NX, NS>, const NX: usize, const NS: usize> Case<E, NX, NS> {
     fn load(name: &str, equations: E, offset: usize) -> Option<Self> {
         let data = load(name)?;
         let motion = Motion::of(&data["task"]);
-        Some(Self {
-            robot: Robot(equations),
-            offset,
-            data,
-            motion,
-        })
+        Some(Self { robot: Robot(equations), offset, data, motion })
     }
 
     fn plan(&self, objective: Objective, iterations: usize) -> Plan<'_, Motion<NX>, f64, NX, NS> {
         let samples = self.data["n_samples"].as_u64().expect("a count") as usize;
-        let optimiser = LevenbergMarquardt {
-            max_iterations: iterations,
-            ..Default::default()
-        };
-        let task = Task::new(&self.motion, samples)
-            .objective(objective)
-            .optimiser(optimiser);
+        let optimiser = LevenbergMarquardt { max_iterations: iterations, ..Default::default() };
+        let task = Task::new(&self.motion, samples).objective(objective).optimiser(optimiser);
         plan(&self.robot, &task).expect("a plan")
     }
 
@@ -160,17 +126,8 @@ impl<E: Equations<NX, NS>, const NX: usize, const NS: usize> Case<E, NX, NS> {
         let expected: SMatrix<f64, NX, NS> =
             SMatrix::from_fn(|i, j| number(&self.data["Kqs0"][i][j + self.offset]));
         let shape_gain = self.robot.shape_gain();
-        close(
-            "shape gain",
-            shape_gain,
-            expected,
-            1e-12 * largest(expected),
-        );
-        self.check_report(
-            "K0",
-            &self.plan(Objective::Output, 0),
-            &self.data["K0_only"],
-        );
+        close("shape gain", shape_gain, expected, 1e-12 * largest(expected));
+        self.check_report("K0", &self.plan(Objective::Output, 0), &self.data["K0_only"]);
         for expected in self.data["optimised"].as_array().expect("a list") {
             let objective = match expected["objective"].as_str() {
                 Some("pos_xw") => Objective::Output,
@@ -178,11 +135,7 @@ impl<E: Equations<NX, NS>, const NX: usize, const NS: usize> Case<E, NX, NS> {
                 Some("acc") => Objective::Acceleration,
                 other => panic!("objective {other:?}"),
             };
-            self.check_optimum(
-                &self.plan(objective, 50),
-                expected,
-                &format!("{objective:?}"),
-            );
+            self.check_optimum(&self.plan(objective, 50), expected, &format!("{objective:?}"));
         }
     }
 
@@ -193,41 +146,19 @@ impl<E: Equations<NX, NS>, const NX: usize, const NS: usize> Case<E, NX, NS> {
         name: &str,
     ) {
         let report = plan.report();
-        assert!(
-            report.termination.converged(),
-            "{name}: {:?}",
-            report.termination
-        );
-        assert!(
-            report.iterations <= 8,
-            "{name}: {} iterations",
-            report.iterations
-        );
+        assert!(report.termination.converged(), "{name}: {:?}", report.termination);
+        assert!(report.iterations <= 8, "{name}: {} iterations", report.iterations);
         let initial: SMatrix<f64, NS, NX> = matrix(&self.data["K0"], self.offset);
-        close(
-            "K0",
-            *plan.initial_gain(),
-            initial,
-            1e-12 * largest(initial),
-        );
+        close("K0", *plan.initial_gain(), initial, 1e-12 * largest(initial));
         let (cost, initial_cost) = (number(&expected["cost"]), number(&expected["cost_at_K0"]));
         close_number(name, report.cost, cost, RELATIVE * cost);
-        close_number(
-            name,
-            report.initial_cost,
-            initial_cost,
-            RELATIVE * initial_cost,
-        );
+        close_number(name, report.initial_cost, initial_cost, RELATIVE * initial_cost);
         if self.data["direction"].is_null() {
             // A curve determines all of K.
             close(name, *plan.factor(), matrix(&expected["S"], 0), RELATIVE);
         } else {
             let task = &self.data["task"];
-            let direction = if task["dir"].is_null() {
-                &task["direction"]
-            } else {
-                &task["dir"]
-            };
+            let direction = if task["dir"].is_null() { &task["direction"] } else { &task["dir"] };
             let along = plan.gain() * vector::<NX>(direction, 0);
             let expected: SVector<f64, NS> = vector(&expected["K_dot_dir"], self.offset);
             close(name, along, expected, RELATIVE * largest(expected));
@@ -251,12 +182,7 @@ impl<E: Equations<NX, NS>, const NX: usize, const NS: usize> Case<E, NX, NS> {
             (report.output_max_error, "max_err_xw_m"),
             (report.position_rmse * scale, "rmse_theta_m"),
         ] {
-            close_number(
-                &format!("{name} {field}"),
-                found,
-                number(&expected[field]),
-                METRES,
-            );
+            close_number(&format!("{name} {field}"), found, number(&expected[field]), METRES);
         }
         let peaks: SVector<f64, NS> = vector(&expected["peak_shape_rad"], self.offset);
         close(name, report.peak_shape, peaks, 1e-6);
@@ -275,33 +201,13 @@ impl<E: Equations<NX, NS>, const NX: usize, const NS: usize> Case<E, NX, NS> {
         let position = |field: &str| vector::<NX>(&expected[field], 0);
         let shape = |field: &str| vector::<NS>(&expected[field], self.offset);
         close_number("t", row.plan.time, number(&expected["t"]), 1e-12);
-        close(
-            "qx_des",
-            row.plan.desired.position[0] * scale,
-            position("qx_des") * scale,
-            METRES,
-        );
-        close(
-            "a_des",
-            row.plan.desired.position[2],
-            position("a_des"),
-            1e-10,
-        );
+        close("qx_des", row.plan.desired.position[0] * scale, position("qx_des") * scale, METRES);
+        close("a_des", row.plan.desired.position[2], position("a_des"), 1e-10);
         close("qs", row.plan.shape, shape("qs"), 1e-7);
         close("qs_d", row.plan.shape_velocity, shape("qs_d"), 1e-6);
         close("qs_dd", row.plan.shape_acceleration, shape("qs_dd"), 1e-6);
-        close(
-            "acc",
-            row.acceleration * scale,
-            position("acc") * scale,
-            1e-5,
-        );
-        close(
-            "qx",
-            row.position * scale,
-            position("qx") * scale,
-            2.0 * METRES,
-        );
+        close("acc", row.acceleration * scale, position("acc") * scale, 1e-5);
+        close("qx", row.position * scale, position("qx") * scale, 2.0 * METRES);
         close("xw", row.output, position("xw"), 2.0 * METRES);
     }
 }
@@ -316,12 +222,7 @@ fn with_resting_arms() -> Ballbot {
     let center = (m_b * l_b + 2.0 * mass * height) / total;
     let steiner = [1.0, 1.0, 0.0].map(|x| x * (m_b * l_b * l_b - total * center * center));
     let i_b = [0, 1, 2].map(|k| i_b[k] + 2.0 * (inertia[k] + mass * squares[k]) + steiner[k]);
-    Ballbot {
-        m_b: total,
-        l_b: center,
-        i_b,
-        ..TABLE_I
-    }
+    Ballbot { m_b: total, l_b: center, i_b, ..TABLE_I }
 }
 
 macro_rules! case {
@@ -335,48 +236,18 @@ macro_rules! case {
     };
 }
 
-case!(
-    table_2_cart_pole,
-    "table2_cartpole",
-    CartPole { length: 0.5 },
-    0
-);
-case!(
-    table_2_planar_ballbot,
-    "table2_planar_ballbot",
-    Planar(TABLE_I),
-    0
-);
-case!(
-    table_2_ballbot_along_x,
-    "table2_3d_ballbot_x",
-    Spatial(TABLE_I),
-    0
-);
-case!(
-    table_2_ballbot_along_the_diagonal,
-    "table2_3d_ballbot_diag",
-    Spatial(TABLE_I),
-    0
-);
+case!(table_2_cart_pole, "table2_cartpole", CartPole { length: 0.5 }, 0);
+case!(table_2_planar_ballbot, "table2_planar_ballbot", Planar(TABLE_I), 0);
+case!(table_2_ballbot_along_x, "table2_3d_ballbot_x", Spatial(TABLE_I), 0);
+case!(table_2_ballbot_along_the_diagonal, "table2_3d_ballbot_diag", Spatial(TABLE_I), 0);
 case!(
     table_2_ballbot_with_arms_at_rest,
     "table2_3d_ballbot_arms_cphi1",
     Spatial(with_resting_arms()),
     4
 );
-case!(
-    figure_6_straight_line,
-    "paper_line_1.414m_4s",
-    Spatial(with_resting_arms()),
-    4
-);
-case!(
-    figure_10_curve,
-    "paper_bezier43_10s",
-    Spatial(with_resting_arms()),
-    4
-);
+case!(figure_6_straight_line, "paper_line_1.414m_4s", Spatial(with_resting_arms()), 4);
+case!(figure_10_curve, "paper_bezier43_10s", Spatial(with_resting_arms()), 4);
 
 /// The exact targets for Table II, metres.
 #[test]
@@ -385,10 +256,7 @@ fn table_2_errors() {
         let mut goal = SVector::<f64, NX>::zeros();
         goal[0] = 2.0;
         let line = Line::new(SVector::zeros(), goal, 5.0, 9).expect("a line");
-        plan(&Robot(equations), &Task::new(&line, 501))
-            .expect("a plan")
-            .report()
-            .output_rmse
+        plan(&Robot(equations), &Task::new(&line, 501)).expect("a plan").report().output_rmse
     }
     for (found, expected) in [
         (rmse(CartPole { length: 0.5 }), 0.0211),

@@ -9,11 +9,8 @@ use shapebot_dynamics::{Description, Real, ShapeAccelerated};
 use shapebot_planner::motion::{Bezier, Derivatives, DesiredMotion, Line};
 use shapebot_planner::{Error, LevenbergMarquardt, Objective, Task, Termination, Weighting, plan};
 
-const OBJECTIVES: [Objective; 3] = [
-    Objective::Output,
-    Objective::Position,
-    Objective::Acceleration,
-];
+const OBJECTIVES: [Objective; 3] =
+    [Objective::Output, Objective::Position, Objective::Acceleration];
 
 const BALLBOT: Robot<Spatial> = Robot(Spatial(TABLE_I));
 const CART_POLE: Robot<CartPole> = Robot(CartPole { length: 0.5 });
@@ -39,16 +36,8 @@ fn directions_across_a_line_keep_the_initial_gain() {
         let along_x = line([2.0, 0.0], 5.0);
         let plan_x =
             plan(&BALLBOT, &Task::new(&along_x, 501).objective(objective)).expect("a plan");
-        assert_eq!(
-            plan_x.gain().column(1),
-            plan_x.initial_gain().column(1),
-            "{objective:?}"
-        );
-        assert_ne!(
-            plan_x.gain().column(0),
-            plan_x.initial_gain().column(0),
-            "{objective:?}"
-        );
+        assert_eq!(plan_x.gain().column(1), plan_x.initial_gain().column(1), "{objective:?}");
+        assert_ne!(plan_x.gain().column(0), plan_x.initial_gain().column(0), "{objective:?}");
 
         let slanted = line([1.2, 0.7], 5.0);
         let plan = plan(&BALLBOT, &Task::new(&slanted, 501).objective(objective)).expect("a plan");
@@ -74,24 +63,11 @@ fn single_precision_plans_agree_with_double() {
             let single =
                 plan(&robot, &Task::new(&single, 501).objective(objective)).expect("a plan");
             let (a, b) = (single.report(), double.report());
-            assert!(
-                a.termination.converged(),
-                "{objective:?}: {:?}",
-                a.termination
-            );
-            assert!(
-                (f64::from(a.output_rmse) - b.output_rmse).abs() < 2e-5,
-                "{objective:?}"
-            );
-            assert!(
-                (f64::from(a.cost) / b.cost - 1.0).abs() < 1e-4,
-                "{objective:?}"
-            );
+            assert!(a.termination.converged(), "{objective:?}: {:?}", a.termination);
+            assert!((f64::from(a.output_rmse) - b.output_rmse).abs() < 2e-5, "{objective:?}");
+            assert!((f64::from(a.cost) / b.cost - 1.0).abs() < 1e-4, "{objective:?}");
             let difference = single.gain().map(f64::from) - double.gain();
-            assert!(
-                difference.abs().max() < 2e-4 * double.gain().abs().max(),
-                "{difference}"
-            );
+            assert!(difference.abs().max() < 2e-4 * double.gain().abs().max(), "{difference}");
         }
     }
     compare(CartPole { length: 0.5 }, [2.0]);
@@ -108,10 +84,7 @@ fn a_linear_robot_gets_the_regression_gain() {
         0.0, -0.7, 0.0, -0.7, 0.0, 82.0, //
         0.7, 0.0, 0.7, 0.0, -82.0, 0.0,
     );
-    let robot = Robot(LinearArms {
-        shape_gain,
-        tau_squared: 0.12,
-    });
+    let robot = Robot(LinearArms { shape_gain, tau_squared: 0.12 });
     let motion = line([1.0, 0.0], 5.0);
     let task = Task::new(&motion, 401)
         .weighting(Weighting::Contributions(&[0.0, 0.0, 1.0]))
@@ -125,22 +98,14 @@ fn a_linear_robot_gets_the_regression_gain() {
         below += unit * unit;
     }
     assert!((plan.factor()[(0, 0)] - above / below).abs() < 1e-9);
-    assert!(
-        plan.report()
-            .peak_shape
-            .iter()
-            .take(4)
-            .all(|&peak| peak == 0.0)
-    );
+    assert!(plan.report().peak_shape.iter().take(4).all(|&peak| peak == 0.0));
 }
 
 #[test]
 fn each_objective_is_best_at_its_own_game() {
     let line = line([2.0, 0.0], 5.0);
     let [output, position, acceleration] = OBJECTIVES.map(|objective| {
-        *plan(&BALLBOT, &Task::new(&line, 501).objective(objective))
-            .expect("a plan")
-            .report()
+        *plan(&BALLBOT, &Task::new(&line, 501).objective(objective)).expect("a plan").report()
     });
     assert!(
         output.output_rmse < position.output_rmse && position.position_rmse < output.position_rmse
@@ -170,11 +135,7 @@ fn rows_satisfy_equations_31_and_32() {
         let point = plan.at(row.plan.time);
         assert_eq!(point, row.plan);
         assert_eq!(point.shape, plan.gain() * point.desired.position[2]);
-        let gamma = BALLBOT.gamma(
-            &point.shape,
-            &point.shape_velocity,
-            &point.shape_acceleration,
-        );
+        let gamma = BALLBOT.gamma(&point.shape, &point.shape_velocity, &point.shape_acceleration);
         assert_eq!(row.acceleration, gamma);
         assert_eq!(row.output, BALLBOT.output(&row.position, &point.shape));
         squares += row.output_error().dot(&row.output_error());
@@ -184,10 +145,7 @@ fn rows_satisfy_equations_31_and_32() {
     assert!((report.output_rmse - (squares / 301.0).sqrt()).abs() < 1e-14);
     assert_eq!(
         report.output_end_error,
-        rows[300]
-            .output_error()
-            .dot(&rows[300].output_error())
-            .sqrt()
+        rows[300].output_error().dot(&rows[300].output_error()).sqrt()
     );
 }
 
@@ -195,10 +153,7 @@ fn rows_satisfy_equations_31_and_32() {
 fn resampled_rows_are_of_the_same_motion() {
     let line = line([1.0, 0.5], 5.0);
     let plan = plan(&BALLBOT, &Task::new(&line, 251)).expect("a plan");
-    let fine = plan
-        .resampled_rows(&BALLBOT, 1001)
-        .expect("rows")
-        .step_by(4);
+    let fine = plan.resampled_rows(&BALLBOT, 1001).expect("rows").step_by(4);
     for (a, b) in plan.rows(&BALLBOT).zip(fine) {
         assert!((a.plan.time - b.plan.time).abs() < 1e-12);
         assert!((a.output - b.output).abs().max() < 1e-7);
@@ -249,66 +204,31 @@ fn a_motion_that_stands_still_needs_no_shape() {
 fn the_optimiser_can_be_told_when_to_stop() {
     let line = line([2.0, 0.0], 5.0);
     let with = |optimiser| {
-        *plan(&BALLBOT, &Task::new(&line, 501).optimiser(optimiser))
-            .expect("a plan")
-            .report()
+        *plan(&BALLBOT, &Task::new(&line, 501).optimiser(optimiser)).expect("a plan").report()
     };
     let default = LevenbergMarquardt::default();
-    let none = with(LevenbergMarquardt {
-        max_iterations: 0,
-        ..default
-    });
-    assert_eq!(
-        (none.iterations, none.termination),
-        (0, Termination::IterationLimit)
-    );
+    let none = with(LevenbergMarquardt { max_iterations: 0, ..default });
+    assert_eq!((none.iterations, none.termination), (0, Termination::IterationLimit));
     assert_eq!(none.cost, none.initial_cost);
-    let threshold = with(LevenbergMarquardt {
-        cost_threshold: 1.5,
-        ..default
-    });
+    let threshold = with(LevenbergMarquardt { cost_threshold: 1.5, ..default });
     assert_eq!(threshold.termination, Termination::SmallCost);
     assert!(threshold.cost > with(default).cost);
-    let task = Task::new(&line, 501).optimiser(LevenbergMarquardt {
-        step_tolerance: -1.0,
-        ..default
-    });
+    let task =
+        Task::new(&line, 501).optimiser(LevenbergMarquardt { step_tolerance: -1.0, ..default });
     let error = plan(&BALLBOT, &task).expect_err("refused");
-    assert!(
-        error
-            .to_string()
-            .starts_with("step tolerance is -1, expected"),
-        "{error}"
-    );
+    assert!(error.to_string().starts_with("step tolerance is -1, expected"), "{error}");
 }
 
 #[test]
 fn a_plan_beyond_a_declared_range_is_refused_with_place_and_time() {
     let line = line([0.0, 20.0], 5.0);
     let error = plan(&BALLBOT, &Task::new(&line, 501)).expect_err("refused");
-    let Error::OutOfRange {
-        coordinate,
-        unit,
-        time,
-        value,
-        lower,
-        upper,
-    } = error
-    else {
+    let Error::OutOfRange { coordinate, unit, time, value, lower, upper } = error else {
         panic!("{error}");
     };
-    assert_eq!(
-        (coordinate, unit, lower, upper),
-        ("phi_x", "rad", -0.5, 0.5)
-    );
-    assert!(
-        value < -0.5 && value > -0.6 && time > 0.5 && time < 1.5,
-        "{error}"
-    );
-    assert!(
-        error.to_string().starts_with("`phi_x` is planned to -0.5"),
-        "{error}"
-    );
+    assert_eq!((coordinate, unit, lower, upper), ("phi_x", "rad", -0.5, 0.5));
+    assert!(value < -0.5 && value > -0.6 && time > 0.5 && time < 1.5, "{error}");
+    assert!(error.to_string().starts_with("`phi_x` is planned to -0.5"), "{error}");
 }
 
 #[test]
@@ -323,9 +243,7 @@ fn senseless_tasks_are_refused_by_name() {
         }
     }
     let refusal = |motion: Custom, samples| {
-        plan(&BALLBOT, &Task::new(&motion, samples))
-            .expect_err("refused")
-            .to_string()
+        plan(&BALLBOT, &Task::new(&motion, samples)).expect_err("refused").to_string()
     };
     for samples in 0..4 {
         let text = refusal(Custom(1.0, 0.0), samples);
@@ -334,10 +252,7 @@ fn senseless_tasks_are_refused_by_name() {
     assert!(refusal(Custom(0.0, 0.0), 10).starts_with("duration is 0"));
     assert!(refusal(Custom(f64::NAN, 0.0), 10).starts_with("duration is NaN"));
     let text = refusal(Custom(1.0, f64::NAN), 11);
-    assert_eq!(
-        text,
-        "the desired motion is not finite at t = 0.6000000000000001 s"
-    );
+    assert_eq!(text, "the desired motion is not finite at t = 0.6000000000000001 s");
 }
 
 /// A robot that falls over a singularity at a lean of 0.1.
@@ -361,11 +276,7 @@ impl Equations<1, 1> for Brittle {
 fn a_response_that_is_no_number_is_refused_with_its_time() {
     let line = Line::new(Vector1::new(0.0), Vector1::new(10.0), 5.0, 9).expect("a line");
     let error = plan(&Robot(Brittle), &Task::new(&line, 101)).expect_err("refused");
-    let Error::NonFinite {
-        quantity: "acceleration response",
-        time,
-    } = error
-    else {
+    let Error::NonFinite { quantity: "acceleration response", time } = error else {
         panic!("{error}");
     };
     assert!(time > 0.2 && time < 1.5, "{error}");
@@ -388,10 +299,7 @@ fn a_description_of_another_robot_is_refused() {
     }
     let line = Line::new(Vector1::new(0.0), Vector1::new(1.0), 5.0, 9).expect("a line");
     let error = plan(&Robot(Mislabelled), &Task::new(&line, 101)).expect_err("refused");
-    assert_eq!(
-        error.to_string(),
-        "2 position coordinates described given, expected 1"
-    );
+    assert_eq!(error.to_string(), "the number of position coordinates described is 2, expected 1");
 }
 
 /// Any double, the awkward ones included.

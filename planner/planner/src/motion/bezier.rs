@@ -48,11 +48,7 @@ impl<'a, T: Ordered, const NX: usize> Bezier<'a, T, NX> {
 
     /// The k-th control point, counted from the end if `reversed`.
     fn point(&self, k: usize, reversed: bool) -> SVector<T, NX> {
-        let k = if reversed {
-            self.degree().saturating_sub(k)
-        } else {
-            k
-        };
+        let k = if reversed { self.degree().saturating_sub(k) } else { k };
         self.points.get(k).copied().unwrap_or_else(SVector::zeros)
     }
 

@@ -42,12 +42,7 @@ impl<T: Ordered, const NX: usize> Line<T, NX> {
         check_point("start", &from)?;
         check_point("goal", &to)?;
         check_duration(duration)?;
-        Ok(Self {
-            from,
-            to,
-            duration,
-            step: SmoothStep::new(degree)?,
-        })
+        Ok(Self { from, to, duration, step: SmoothStep::new(degree)? })
     }
 }
 

@@ -55,11 +55,7 @@ impl SmoothStep {
             binomial = binomial * (half as u32 + k) / k;
         }
         let slope = degree as u32 * binomials[half];
-        Ok(Self {
-            half,
-            binomials,
-            slope,
-        })
+        Ok(Self { half, binomials, slope })
     }
 
     /// Degree of the polynomial.
@@ -90,11 +86,8 @@ impl SmoothStep {
         let du = one - tau - tau;
         let u3 = power(u, m - 3);
         let (u2, u1) = (u3 * u, u3 * u * u);
-        let (first, second, third) = (
-            number(m),
-            number(m * (m - 1)),
-            number(m * (m - 1) * (m - 2)),
-        );
+        let (first, second, third) =
+            (number(m), number(m * (m - 1)), number(m * (m - 1) * (m - 2)));
         [
             power(tau, m + 1) * sum,
             c * u1 * u,

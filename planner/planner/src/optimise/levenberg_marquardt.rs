@@ -100,12 +100,7 @@ impl<T: Ordered> Damping<T> {
     fn new(value: T) -> Self {
         let floor = T::epsilon().sqrt();
         let value = if value > floor { value } else { floor };
-        Self {
-            value,
-            growth: T::from_f64(2.0),
-            floor,
-            failure: None,
-        }
+        Self { value, growth: T::from_f64(2.0), floor, failure: None }
     }
 
     /// After a step that lowered the cost by `gain` times what was predicted.
@@ -126,11 +121,7 @@ impl<T: Ordered> Damping<T> {
         self.value *= self.growth;
         self.growth *= T::from_f64(2.0);
         self.failure = Some(failure);
-        if self.value < T::from_f64(1e12) {
-            None
-        } else {
-            self.failure
-        }
+        if self.value < T::from_f64(1e12) { None } else { self.failure }
     }
 }
 
@@ -156,33 +147,15 @@ impl<T: Ordered> LevenbergMarquardt<T> {
         let here = problem(&start)?;
         let start_cost = here.cost;
         let damping = Damping::new(self.initial_damping);
-        let mut run = Run {
-            point: start,
-            here,
-            damping,
-            iterations: 0,
-        };
+        let mut run = Run { point: start, here, damping, iterations: 0 };
         let termination = loop {
-            let end = self
-                .at_minimum(&run.here)
-                .or_else(|| self.attempt(&mut run, &mut problem));
+            let end = self.at_minimum(&run.here).or_else(|| self.attempt(&mut run, &mut problem));
             if let Some(reason) = end {
                 break reason;
             }
         };
-        let Run {
-            point,
-            here,
-            iterations,
-            ..
-        } = run;
-        Ok(Minimum {
-            point,
-            cost: here.cost,
-            start_cost,
-            iterations,
-            termination,
-        })
+        let Run { point, here, iterations, .. } = run;
+        Ok(Minimum { point, cost: here.cost, start_cost, iterations, termination })
     }
 
     /// Tries one step; the reason to end, if there is one.
@@ -203,9 +176,7 @@ impl<T: Ordered> LevenbergMarquardt<T> {
             return run.damping.failure.or(Some(reason));
         }
         run.iterations += 1;
-        let Some(there) = problem(&(run.point + step))
-            .ok()
-            .filter(NormalEquations::is_finite)
+        let Some(there) = problem(&(run.point + step)).ok().filter(NormalEquations::is_finite)
         else {
             return run.damping.tighten(Termination::NonFinite);
         };
@@ -280,24 +251,15 @@ mod tests {
     /// MINPACK's first test problem: r = (10 (y − x²), 1 − x).
     fn rosenbrock(p: &Matrix2x1<f64>) -> Residuals {
         let residual = Vector2::new(10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0]);
-        equations(
-            residual,
-            Vector2::new(-20.0 * p[0], -1.0),
-            Vector2::new(10.0, 0.0),
-        )
+        equations(residual, Vector2::new(-20.0 * p[0], -1.0), Vector2::new(10.0, 0.0))
     }
 
     #[test]
     fn rosenbrock_is_minimised() {
         let settings = LevenbergMarquardt::default();
-        let found = settings
-            .minimise(Matrix2x1::new(-1.2, 1.0), rosenbrock)
-            .unwrap();
+        let found = settings.minimise(Matrix2x1::new(-1.2, 1.0), rosenbrock).unwrap();
         assert!(found.termination.converged(), "{found:?}");
-        assert!(
-            (found.point - Matrix2x1::new(1.0, 1.0)).abs().max() < 1e-8,
-            "{found:?}"
-        );
+        assert!((found.point - Matrix2x1::new(1.0, 1.0)).abs().max() < 1e-8, "{found:?}");
         assert!((found.start_cost - 24.2).abs() < 1e-12);
     }
 
@@ -311,15 +273,10 @@ mod tests {
     #[test]
     fn unfelt_directions_keep_their_start() {
         let start = Matrix2x1::new(0.3, -0.7);
-        let found = LevenbergMarquardt::default()
-            .minimise(start, ravine)
-            .unwrap();
+        let found = LevenbergMarquardt::default().minimise(start, ravine).unwrap();
         assert!(found.termination.converged(), "{found:?}");
         let moved = found.point - start;
-        assert!(
-            moved.dot(&moved) > 1.0 && (2.0 * moved[0] - moved[1]).abs() < 1e-9,
-            "{moved}"
-        );
+        assert!(moved.dot(&moved) > 1.0 && (2.0 * moved[0] - moved[1]).abs() < 1e-9, "{moved}");
     }
 
     #[test]
@@ -330,38 +287,23 @@ mod tests {
             settings.minimise(start, rosenbrock).unwrap().termination
         };
         assert_eq!(
-            ends(LevenbergMarquardt {
-                max_iterations: 0,
-                ..settings
-            }),
+            ends(LevenbergMarquardt { max_iterations: 0, ..settings }),
             Termination::IterationLimit
         );
         assert_eq!(
-            ends(LevenbergMarquardt {
-                cost_threshold: 30.0,
-                ..settings
-            }),
+            ends(LevenbergMarquardt { cost_threshold: 30.0, ..settings }),
             Termination::SmallCost
         );
         assert_eq!(
-            ends(LevenbergMarquardt {
-                gradient_tolerance: 1.0,
-                ..settings
-            }),
+            ends(LevenbergMarquardt { gradient_tolerance: 1.0, ..settings }),
             Termination::SmallGradient
         );
         assert_eq!(
-            ends(LevenbergMarquardt {
-                step_tolerance: 10.0,
-                ..settings
-            }),
+            ends(LevenbergMarquardt { step_tolerance: 10.0, ..settings }),
             Termination::SmallStep
         );
         assert_eq!(
-            ends(LevenbergMarquardt {
-                reduction_tolerance: 2.0,
-                ..settings
-            }),
+            ends(LevenbergMarquardt { reduction_tolerance: 2.0, ..settings }),
             Termination::SmallReduction
         );
     }
@@ -374,34 +316,20 @@ mod tests {
             Ok::<_, Infallible>(equations)
         };
         let start = Matrix2x1::new(-1.2, 1.0);
-        let found = LevenbergMarquardt::default()
-            .minimise(start, uphill)
-            .unwrap();
-        assert_eq!(
-            (found.termination, found.point),
-            (Termination::NoProgress, start)
-        );
+        let found = LevenbergMarquardt::default().minimise(start, uphill).unwrap();
+        assert_eq!((found.termination, found.point), (Termination::NoProgress, start));
     }
 
     #[test]
     fn a_cost_that_is_finite_only_at_the_start_is_told() {
         let start = Matrix2x1::new(-1.2, 1.0);
         let island = |p: &Matrix2x1<f64>| {
-            if *p == start {
-                rosenbrock(p).map_err(|_| ())
-            } else {
-                Err(())
-            }
+            if *p == start { rosenbrock(p).map_err(|_| ()) } else { Err(()) }
         };
-        let found = LevenbergMarquardt::default()
-            .minimise(start, island)
-            .unwrap();
+        let found = LevenbergMarquardt::default().minimise(start, island).unwrap();
         assert_eq!(found.termination, Termination::NonFinite);
         let nowhere = |_: &Matrix2x1<f64>| Err::<NormalEquations<f64, 2, 1>, _>("start");
-        assert_eq!(
-            LevenbergMarquardt::default().minimise(start, nowhere),
-            Err("start")
-        );
+        assert_eq!(LevenbergMarquardt::default().minimise(start, nowhere), Err("start"));
     }
 
     #[test]
@@ -411,12 +339,7 @@ mod tests {
             sum.add(&Vector1::new(3.0), &[[Vector1::new(0.0)]]);
             Ok::<_, Infallible>(sum)
         };
-        let found = LevenbergMarquardt::default()
-            .minimise(Vector1::new(2.0), flat)
-            .unwrap();
-        assert_eq!(
-            (found.termination, found.point[0]),
-            (Termination::SmallGradient, 2.0)
-        );
+        let found = LevenbergMarquardt::default().minimise(Vector1::new(2.0), flat).unwrap();
+        assert_eq!((found.termination, found.point[0]), (Termination::SmallGradient, 2.0));
     }
 }

@@ -17,11 +17,7 @@ pub struct NormalEquations<T: Ordered, const R: usize, const C: usize> {
 
 impl<T: Ordered, const R: usize, const C: usize> Default for NormalEquations<T, R, C> {
     fn default() -> Self {
-        Self {
-            cost: T::zero(),
-            gradient: SMatrix::zeros(),
-            curvature: [[SMatrix::zeros(); C]; R],
-        }
+        Self { cost: T::zero(), gradient: SMatrix::zeros(), curvature: [[SMatrix::zeros(); C]; R] }
     }
 }
 

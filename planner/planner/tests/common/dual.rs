@@ -12,38 +12,26 @@ pub struct Dual<T> {
 
 impl<T: Real> Dual<T> {
     pub fn constant(value: T) -> Self {
-        Self {
-            value,
-            slope: T::zero(),
-        }
+        Self { value, slope: T::zero() }
     }
 
     /// f(x) with f′(x) = `derivative`.
     fn chain(self, value: T, derivative: T) -> Self {
-        Self {
-            value,
-            slope: self.slope * derivative,
-        }
+        Self { value, slope: self.slope * derivative }
     }
 }
 
 impl<T: Real> Add for Dual<T> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self {
-            value: self.value + other.value,
-            slope: self.slope + other.slope,
-        }
+        Self { value: self.value + other.value, slope: self.slope + other.slope }
     }
 }
 
 impl<T: Real> Sub for Dual<T> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        Self {
-            value: self.value - other.value,
-            slope: self.slope - other.slope,
-        }
+        Self { value: self.value - other.value, slope: self.slope - other.slope }
     }
 }
 
@@ -51,10 +39,7 @@ impl<T: Real> Mul for Dual<T> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         let slope = self.slope * other.value + self.value * other.slope;
-        Self {
-            value: self.value * other.value,
-            slope,
-        }
+        Self { value: self.value * other.value, slope }
     }
 }
 
@@ -62,20 +47,14 @@ impl<T: Real> Div for Dual<T> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
-        Self {
-            value,
-            slope: (self.slope - value * other.slope) / other.value,
-        }
+        Self { value, slope: (self.slope - value * other.slope) / other.value }
     }
 }
 
 impl<T: Real> Neg for Dual<T> {
     type Output = Self;
     fn neg(self) -> Self {
-        Self {
-            value: -self.value,
-            slope: -self.slope,
-        }
+        Self { value: -self.value, slope: -self.slope }
     }
 }
 
@@ -138,9 +117,6 @@ impl<T: Real> Real for Dual<T> {
     fn atan2(self, x: Self) -> Self {
         let square = self.value * self.value + x.value * x.value;
         let slope = (self.slope * x.value - self.value * x.slope) / square;
-        Self {
-            value: self.value.atan2(x.value),
-            slope,
-        }
+        Self { value: self.value.atan2(x.value), slope }
     }
 }

@@ -29,11 +29,7 @@ fn dual<T: Real, const N: usize>(
 ) -> SVector<Dual<T>, N> {
     SVector::from_fn(|i, _| Dual {
         value: v[i],
-        slope: if direction == Some(i) {
-            T::one()
-        } else {
-            T::zero()
-        },
+        slope: if direction == Some(i) { T::one() } else { T::zero() },
     })
 }
 
@@ -91,10 +87,7 @@ where
         self.0.output(qx, qs)
     }
     fn output_jacobian_position(&self) -> SMatrix<T, NX, NX> {
-        jacobian(|k| {
-            self.0
-                .output(&dual(&SVector::zeros(), k), &dual(&SVector::zeros(), None))
-        })
+        jacobian(|k| self.0.output(&dual(&SVector::zeros(), k), &dual(&SVector::zeros(), None)))
     }
     fn output_jacobian_shape(
         &self,
@@ -110,34 +103,15 @@ where
 
 const fn position(name: &'static str, unit: &'static str) -> Coordinate {
     let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
-    Coordinate {
-        name,
-        unit,
-        role: Role::Position,
-        actuated: true,
-        lower,
-        upper,
-    }
+    Coordinate { name, unit, role: Role::Position, actuated: true, lower, upper }
 }
 
 const fn shape(name: &'static str, actuated: bool, limit: f64) -> Coordinate {
-    Coordinate {
-        name,
-        unit: "rad",
-        role: Role::Shape,
-        actuated,
-        lower: -limit,
-        upper: limit,
-    }
+    Coordinate { name, unit: "rad", role: Role::Shape, actuated, lower: -limit, upper: limit }
 }
 
 const fn set(name: &'static str, first: usize, len: usize, actuated: bool) -> ShapeSet {
-    ShapeSet {
-        name,
-        first,
-        len,
-        actuated,
-    }
+    ShapeSet { name, first, len, actuated }
 }
 
 const NOTHING: Description = Description {
@@ -280,11 +254,8 @@ impl Equations<2, 2> for Spatial {
         let ((sx, cx), (sy, cy)) = (qs[0].sin_cos(), qs[1].sin_cos());
         let (dx, dy, ddx, ddy) = (qsd[0], qsd[1], qsdd[0], qsdd[1]);
         let two = T::from_f64(2.0);
-        let (a, across, yaw) = (
-            self.0.about_ball::<T>(0),
-            self.0.about_ball::<T>(1),
-            T::from_f64(self.0.i_b[2]),
-        );
+        let (a, across, yaw) =
+            (self.0.about_ball::<T>(0), self.0.about_ball::<T>(1), T::from_f64(self.0.i_b[2]));
         let b = across * cx * cx + yaw * sx * sx;
         let db = two * sx * cx * (yaw - across);
         let ddp =
@@ -323,11 +294,7 @@ pub static LINEAR_ARMS: Description = Description {
         shape("phi_y", false, LEAN),
     ],
     position_count: 2,
-    shape_sets: &[
-        set("alpha_l", 0, 2, true),
-        set("alpha_r", 2, 2, true),
-        set("phi", 4, 2, false),
-    ],
+    shape_sets: &[set("alpha_l", 0, 2, true), set("alpha_r", 2, 2, true), set("phi", 4, 2, false)],
     outputs: &["x_w", "y_w"],
     ..NOTHING
 };
