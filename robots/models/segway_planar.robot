@@ -42,6 +42,8 @@ robot SegwayPlanar {
     /// No slip: the middle of the axle.
     let axle = [r_w*(theta + phi), 0, 0];
     frame body = world * rot_y(phi);
+    /// Turns with the wheels; its z axis is the axle.
+    frame hub = world * rot_y(theta + phi) * rot_x(90deg);
 
     /// Two wheels roll.
     kinetic (m_w + I_w/r_w^2) * |d/dt(axle)|^2;
@@ -58,8 +60,9 @@ robot SegwayPlanar {
 
     point center = axle;
     point head = axle + body*[0, 0, 2*l_b];
-    shape wheel = sphere(r_w) at axle;
-    shape trunk_hull = box(0.55*l_b, 1.9*l_b, 2*l_b) on body at axle + body*[0, 0, l_b];
+    shape wheel_left = cylinder(r_w, 0.6*r_w) on hub at axle + [0, 0.97*l_b, 0];
+    shape wheel_right = cylinder(r_w, 0.6*r_w) on hub at axle - [0, 0.97*l_b, 0];
+    shape trunk_hull = box(0.55*l_b, 1.3*l_b, 2*l_b) on body at axle + body*[0, 0, l_b];
 
     require shape_accelerated;
 }

@@ -1,5 +1,9 @@
 //! From a checked model to proved, specialised Rust.
 #![forbid(unsafe_code)]
 
+pub mod build;
 pub mod derive;
+pub mod emit;
 pub mod proof;
+
+pub use build::{Build, BuildError, Module};

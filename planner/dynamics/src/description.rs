@@ -137,9 +137,7 @@ pub struct Description {
 impl Description {
     /// The coordinates of q_x.
     pub fn position_coordinates(&self) -> &[Coordinate] {
-        self.coordinates
-            .get(..self.position_count)
-            .unwrap_or(self.coordinates)
+        self.coordinates.get(..self.position_count).unwrap_or(self.coordinates)
     }
 
     /// The coordinates of q_s.
@@ -149,10 +147,6 @@ impl Description {
 
     /// Index in q_s of the shape coordinates without an actuator.
     pub fn unactuated_shape(&self) -> impl Iterator<Item = usize> + '_ {
-        self.shape_coordinates()
-            .iter()
-            .enumerate()
-            .filter(|(_, c)| !c.actuated)
-            .map(|(i, _)| i)
+        self.shape_coordinates().iter().enumerate().filter(|(_, c)| !c.actuated).map(|(i, _)| i)
     }
 }

@@ -63,7 +63,13 @@ impl Parameter {
             return Err(ParameterError::NotFinite { name, unit, value: value.to_f64() });
         }
         if value < T::from_f64(lower) || value > T::from_f64(upper) {
-            return Err(ParameterError::OutOfRange { name, unit, value: value.to_f64(), lower, upper });
+            return Err(ParameterError::OutOfRange {
+                name,
+                unit,
+                value: value.to_f64(),
+                lower,
+                upper,
+            });
         }
         Ok(())
     }

@@ -177,9 +177,6 @@ pub trait Robot<T: Real, const N: usize, const NX: usize, const NS: usize>:
         Self: Sized,
     {
         const { assert!(N == NX + NS, "N must be NX + NS") };
-        (
-            SVector::from_fn(|i, _| q[i]),
-            SVector::from_fn(|i, _| q[NX + i]),
-        )
+        (SVector::from_fn(|i, _| q[i]), SVector::from_fn(|i, _| q[NX + i]))
     }
 }

@@ -7,35 +7,16 @@ use shapebot_dynamics::{
 };
 
 const fn angle(name: &'static str, role: Role, actuated: bool) -> Coordinate {
-    Coordinate {
-        name,
-        unit: "rad",
-        role,
-        actuated,
-        lower: -1.0,
-        upper: f64::INFINITY,
-    }
+    Coordinate { name, unit: "rad", role, actuated, lower: -1.0, upper: f64::INFINITY }
 }
 
 static DESCRIPTION: Description = Description {
     name: "double_integrator",
     summary: "Unit masses under unit gravity: x'' = s.",
-    coordinates: &[
-        angle("x", Role::Position, true),
-        angle("s", Role::Shape, false),
-    ],
+    coordinates: &[angle("x", Role::Position, true), angle("s", Role::Shape, false)],
     position_count: 1,
-    shape_sets: &[ShapeSet {
-        name: "s",
-        first: 0,
-        len: 1,
-        actuated: false,
-    }],
-    actuators: &[Actuator {
-        name: "force",
-        unit: "N",
-        limit: f64::INFINITY,
-    }],
+    shape_sets: &[ShapeSet { name: "s", first: 0, len: 1, actuated: false }],
+    actuators: &[Actuator { name: "force", unit: "N", limit: f64::INFINITY }],
     parameters: &[],
     outputs: &["x"],
     output_unit: "m",
@@ -147,15 +128,9 @@ fn the_bundled_motion_is_its_parts() {
     let (q, qd) = (Vector2::new(0.3, -0.2), Vector2::new(1.0, 2.0));
     let motion = DoubleIntegrator.motion(&q, &qd);
     assert_eq!(motion.mass_matrix, DoubleIntegrator.mass_matrix(&q));
-    assert_eq!(
-        motion.coriolis_vector,
-        DoubleIntegrator.coriolis_vector(&q, &qd)
-    );
+    assert_eq!(motion.coriolis_vector, DoubleIntegrator.coriolis_vector(&q, &qd));
     assert_eq!(motion.gravity, DoubleIntegrator.gravity(&q));
-    assert_eq!(
-        DoubleIntegrator.dissipative_force(&q, &qd),
-        Vector2::zeros()
-    );
+    assert_eq!(DoubleIntegrator.dissipative_force(&q, &qd), Vector2::zeros());
 }
 
 #[test]
@@ -163,10 +138,7 @@ fn split_undoes_join() {
     let (position, shape) = (Vector1::new(1.5), Vector1::new(-0.25));
     let q = <DoubleIntegrator as Robot<f64, 2, 1, 1>>::join(&position, &shape);
     assert_eq!(q, Vector2::new(1.5, -0.25));
-    assert_eq!(
-        <DoubleIntegrator as Robot<f64, 2, 1, 1>>::split(&q),
-        (position, shape)
-    );
+    assert_eq!(<DoubleIntegrator as Robot<f64, 2, 1, 1>>::split(&q), (position, shape));
 }
 
 #[test]
@@ -183,10 +155,7 @@ fn a_description_splits_its_coordinates_by_role() {
     assert_eq!(names(DESCRIPTION.position_coordinates()), ["x"]);
     assert_eq!(names(DESCRIPTION.shape_coordinates()), ["s"]);
     assert_eq!(DESCRIPTION.unactuated_shape().collect::<Vec<_>>(), [0]);
-    let broken = Description {
-        position_count: 7,
-        ..DESCRIPTION
-    };
+    let broken = Description { position_count: 7, ..DESCRIPTION };
     assert_eq!(broken.shape_coordinates(), []);
     assert_eq!(broken.unactuated_shape().count(), 0);
 }

@@ -1,2 +1,35 @@
-//! The tool.
-fn main() {}
+//! `shapebot`: from the model of a balancing robot to equations, code, plans and numbers.
+#![forbid(unsafe_code)]
+
+mod args;
+mod commands;
+mod failure;
+mod output;
+mod planning;
+mod plot;
+mod robot;
+
+use args::{Cli, Command};
+use clap::Parser;
+use failure::Outcome;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match run(&Cli::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn run(cli: &Cli) -> Outcome {
+    match &cli.command {
+        None => commands::table::run(&cli.output),
+        Some(Command::Robots) => commands::robots::run(),
+        Some(Command::Check(args)) => commands::check::run(args),
+        Some(Command::Derive(args)) => commands::derive::run(args),
+        Some(Command::Emit(args)) => commands::emit::run(args),
+        Some(Command::Plan(args)) => commands::plan::run(args),
+        Some(Command::Eval(args)) => commands::eval::run(args),
+        Some(Command::Explain(args)) => commands::explain::run(args),
+    }
+}

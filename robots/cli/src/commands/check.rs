@@ -1,0 +1,15 @@
+//! `shapebot check`: what is wrong with a model, and what is proved about it.
+
+use crate::args::CheckArgs;
+use crate::failure::Outcome;
+use crate::robot;
+use shapebot_codegen::derive::Parameters;
+use std::io::Write;
+
+pub(crate) fn run(args: &CheckArgs) -> Outcome {
+    let text = robot::open(&args.robot)?.text()?;
+    let derivation = robot::derive(&text, Parameters::Symbolic)?;
+    let mut stdout = anstream::stdout().lock();
+    writeln!(stdout, "{}", derivation.certificate.to_text().trim_end())?;
+    Ok(())
+}

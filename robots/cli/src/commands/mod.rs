@@ -1,0 +1,10 @@
+//! One module per command.
+
+pub(crate) mod check;
+pub(crate) mod derive;
+pub(crate) mod emit;
+pub(crate) mod eval;
+pub(crate) mod explain;
+pub(crate) mod plan;
+pub(crate) mod robots;
+pub(crate) mod table;

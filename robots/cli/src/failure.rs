@@ -1,0 +1,112 @@
+//! How a command can end badly, and what is said about it.
+
+use anstyle::{AnsiColor, Style};
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+const ERROR: Style = AnsiColor::Red.on_default().bold();
+const HELP: Style = AnsiColor::Cyan.on_default().bold();
+
+/// How a command can end badly.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The model or the plan was refused: exit code 1.
+    Refused(String),
+    /// The same, with everything already said on standard error.
+    Reported,
+    /// Wrong usage or input: exit code 2, with a suggestion if there is one.
+    Usage(String, Option<String>),
+    /// The reader of standard output went away, which is no failure.
+    BrokenPipe,
+}
+
+/// What a command returns.
+pub(crate) type Outcome<T = ()> = Result<T, Failure>;
+
+impl Failure {
+    pub(crate) fn refused(message: impl Display) -> Self {
+        Self::Refused(message.to_string())
+    }
+
+    pub(crate) fn usage(message: impl Display) -> Self {
+        Self::Usage(message.to_string(), None)
+    }
+
+    /// An unknown name, with the closest of the known ones.
+    pub(crate) fn unknown<'a>(
+        what: &str,
+        name: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let known: Vec<&str> = known.into_iter().collect();
+        let help = match closest(name, &known) {
+            Some(close) => Some(format!("did you mean `{close}`?")),
+            None if known.is_empty() => None,
+            None => Some(format!("known: {}", known.join(", "))),
+        };
+        Self::Usage(format!("no {what} `{name}`"), help)
+    }
+
+    /// An error of reading or writing, with the file's name.
+    pub(crate) fn file(action: &str, path: impl AsRef<std::path::Path>, error: &io::Error) -> Self {
+        Self::usage(format!("cannot {action} {}: {error}", path.as_ref().display()))
+    }
+
+    /// Says what there is to say and gives the exit code.
+    pub(crate) fn report(&self) -> ExitCode {
+        match self {
+            Self::BrokenPipe => ExitCode::SUCCESS,
+            Self::Reported => ExitCode::from(1),
+            Self::Refused(message) => {
+                say(message, None);
+                ExitCode::from(1)
+            }
+            Self::Usage(message, help) => {
+                say(message, help.as_deref());
+                ExitCode::from(2)
+            }
+        }
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            return Self::BrokenPipe;
+        }
+        Self::usage(error)
+    }
+}
+
+fn say(message: &str, help: Option<&str>) {
+    let mut stderr = anstream::stderr().lock();
+    // Nowhere left to complain if standard error is closed.
+    let _ = writeln!(stderr, "{ERROR}error{ERROR:#}: {message}");
+    if let Some(help) = help {
+        let _ = writeln!(stderr, "{HELP}help{HELP:#}: {help}");
+    }
+}
+
+/// The known name that is closest, if one is close.
+fn closest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    if name.len() > 64 {
+        return None;
+    }
+    let allowed = 1 + name.chars().count() / 3;
+    let distance = |other: &str| strsim::damerau_levenshtein(&name.to_lowercase(), &other.to_lowercase());
+    let candidates = known.iter().map(|&other| (distance(other), other));
+    candidates.filter(|(d, _)| *d <= allowed).min().map(|(_, other)| other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::closest;
+
+    #[test]
+    fn the_closest_name_is_close() {
+        let known = ["ballbot3d", "ballbot3d_arms", "cartpole_planar"];
+        assert_eq!(closest("balbot3d", &known), Some("ballbot3d"));
+        assert_eq!(closest("segway", &known), None);
+    }
+}

@@ -1,0 +1,77 @@
+//! Robots: bundled ones run compiled code, model files go through the interpreter.
+
+mod bundled;
+mod compiled;
+mod interpreted;
+mod parameters;
+mod text;
+
+pub(crate) use bundled::{Bundled, bundled};
+pub(crate) use text::{ModelText, derive};
+
+use crate::commands::eval::{Results, Selection, Sizes, State};
+use crate::failure::{Failure, Outcome};
+use crate::planning::{PlanTask, PlannedMotion};
+use shapebot_dynamics::Description;
+use std::path::Path;
+
+/// A robot of any size whose parameters are set.
+pub(crate) trait Dynamics {
+    /// Names, units, ranges, actuators and shape sets.
+    fn description(&self) -> &Description;
+
+    /// Whether there is Γ.
+    fn is_shape_accelerated(&self) -> bool;
+
+    /// Computes the selected fields at a state whose vectors have the robot's lengths.
+    fn evaluate(&self, selection: &Selection, state: &State, results: &mut Results);
+
+    /// Plans a motion.
+    fn plan(&self, task: &PlanTask) -> Outcome<PlannedMotion>;
+
+    /// Numbers of coordinates.
+    fn sizes(&self) -> Sizes {
+        let description = self.description();
+        let (all, position) = (description.coordinates.len(), description.position_count);
+        Sizes { all, position, shape: all - position }
+    }
+}
+
+/// What the user names: a model file or a bundled robot.
+pub(crate) enum Source {
+    /// A model file that was read.
+    File(ModelText),
+    /// A robot that was compiled in.
+    Bundled(&'static Bundled),
+}
+
+/// Finds what the user names: an existing path or a name that ends in `.robot` is a file, everything
+/// else a bundled robot.
+pub(crate) fn open(name: &str) -> Outcome<Source> {
+    let path = Path::new(name);
+    if name.ends_with(".robot") || path.exists() {
+        return ModelText::read(path).map(Source::File);
+    }
+    match bundled().iter().find(|robot| robot.name() == name) {
+        Some(robot) => Ok(Source::Bundled(robot)),
+        None => Err(Failure::unknown("file or bundled robot", name, bundled().iter().map(Bundled::name))),
+    }
+}
+
+impl Source {
+    /// The robot with some parameters set: compiled code for a bundled one, the interpreter for a file.
+    pub(crate) fn dynamics(&self, parameters: &[(String, f64)]) -> Outcome<Box<dyn Dynamics>> {
+        match self {
+            Self::File(text) => interpreted::open(text, parameters),
+            Self::Bundled(robot) => robot.dynamics(parameters),
+        }
+    }
+
+    /// The model's text.
+    pub(crate) fn text(&self) -> Outcome<ModelText> {
+        match self {
+            Self::File(text) => Ok(text.clone()),
+            Self::Bundled(robot) => robot.text(),
+        }
+    }
+}
