@@ -1,12 +1,8 @@
 //! Candidates for a function, and the choice of the cheapest.
 
 use super::quantity::{Block, Function, Quantity};
-use shapebot_symbolic::{Graph, Id, count, transfer};
-
-/// (until the optimiser lands)
-#[derive(Clone, Copy)]
-pub(crate) enum Effort { Quick, Thorough }
-fn optimise(graph: &Graph, ids: &[Id], _: Effort) -> (Graph, Vec<Id>) { (graph.clone(), ids.to_vec()) }
+pub(crate) use shapebot_symbolic::Effort;
+use shapebot_symbolic::{Graph, Id, count, optimise, transfer};
 
 /// One way to compute a function.
 #[derive(Clone, Debug)]
