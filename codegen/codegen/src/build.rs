@@ -9,7 +9,7 @@
 //! and in the crate: `shapebot_dynamics::include_model!("my_robot");`
 
 use crate::derive::{Derivation, Parameters, Quantity, prove, specialise};
-use crate::emit::{Documentation, Emission, EmittedNames, emit, emitted_names};
+use crate::emit::{Documentation, Emission, EmittedNames, collection, emit, emitted_names};
 use shapebot_model_dsl::{Diagnostic, model::Model, parse_bytes, render};
 use std::fmt;
 use std::io::{self, Write};
@@ -93,11 +93,30 @@ impl Build {
     pub fn generate(&self) -> Result<(), BuildError> {
         self.announce();
         let out_dir = self.destination()?;
-        for module in self.modules()? {
+        self.write_modules(&out_dir).map(|_| ())
+    }
+
+    /// As [`Build::generate`] with baked parameters, and writes `<name>.rs` that includes all modules
+    /// and defines `for_each_robot!`: nobody has to list the robots.
+    ///
+    /// # Errors
+    ///
+    /// As [`Build::generate`].
+    pub fn generate_collection(self, name: &str) -> Result<(), BuildError> {
+        let build = self.bake_parameters();
+        build.announce();
+        let out_dir = build.destination()?;
+        let modules = build.write_modules(&out_dir)?;
+        write_if_changed(&out_dir.join(format!("{name}.rs")), &collection(&modules))
+    }
+
+    fn write_modules(&self, out_dir: &Path) -> Result<Vec<Module>, BuildError> {
+        let modules = self.modules()?;
+        for module in &modules {
             warn(&module.warnings);
             write_if_changed(&out_dir.join(format!("{}.rs", module.stem)), &module.text)?;
         }
-        Ok(())
+        Ok(modules)
     }
 
     /// The modules, without writing anything.
@@ -299,7 +318,7 @@ impl fmt::Display for BuildError {
 
 impl fmt::Debug for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the robot was not generated\n\n{self}")
+        write!(f, "no robot was generated\n\n{self}")
     }
 }
 

@@ -30,8 +30,8 @@ pub(super) struct Body {
     pub(super) results: Vec<Expr>,
     /// Symbols that the text mentions.
     pub(super) used: BTreeSet<Symbol>,
-    /// Whether the text mentions the helper `c`.
-    pub(super) constants: bool,
+    /// How often the text mentions the helper `c`.
+    pub(super) constants: usize,
 }
 
 /// Writes a body.
@@ -47,7 +47,7 @@ pub(super) fn body(request: &Request<'_>) -> Body {
         numbers: BTreeMap::new(),
         place: None,
         plan,
-        body: Body { statements: Vec::new(), results: Vec::new(), used: BTreeSet::new(), constants: false },
+        body: Body { statements: Vec::new(), results: Vec::new(), used: BTreeSet::new(), constants: 0 },
     };
     for step in steps {
         match step {
@@ -194,11 +194,11 @@ impl Writer<'_, '_> {
             }
             Leaf::Field(name, _) => syntax::field(syntax::variable("self"), &name),
             Leaf::Number(number) => {
-                self.body.constants = true;
+                self.body.constants += 1;
                 syntax::call("c", syntax::number(number))
             }
             Leaf::Pi => {
-                self.body.constants = true;
+                self.body.constants += 1;
                 syntax::call("c", syntax::pi())
             }
         };

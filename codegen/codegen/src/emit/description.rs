@@ -3,10 +3,10 @@
 use super::constants;
 use super::docs;
 use super::names::{SymbolNames, identifier};
-use super::parameters::{signed_number, unit};
+use super::parameters::{shown_range, signed_number, unit};
 use super::{Documentation, Emission};
 use crate::derive::{Function, Quantity};
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 use shapebot_model_dsl::model::{Model, Range, Role, Solid};
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ pub(super) fn description(emission: &Emission<'_>, symbols: &SymbolNames) -> Ite
     let model = emission.model;
     let name = emission.stem;
     let summary = docs::one_line(model.docs.lines().next().unwrap_or(""));
-    let position_count = model.position_count();
+    let position_count = Literal::usize_unsuffixed(model.position_count());
     let coordinates = coordinates(model, symbols, &actuated(model, emission.functions));
     let sets = shape_sets(model, &actuated(model, emission.functions));
     let (actuators, parameters) = (actuators(model), parameters(model, symbols));
@@ -97,7 +97,8 @@ fn shape_sets(model: &Model, actuated: &[bool]) -> Vec<TokenStream> {
     let entry = |set: &shapebot_model_dsl::model::CoordinateSet| {
         let members: Vec<usize> = set.coordinates.iter().map(|id| id.0 as usize).collect();
         let first = members.first().map_or(0, |&i| i.saturating_sub(positions));
-        let (name, len) = (identifier(&set.name), members.len());
+        let name = identifier(&set.name);
+        let [first, len] = [first, members.len()].map(Literal::usize_unsuffixed);
         let all = members.iter().all(|&i| actuated.get(i).copied().unwrap_or(false));
         quote!(::shapebot_dynamics::ShapeSet { name: #name, first: #first, len: #len, actuated: #all })
     };
@@ -142,7 +143,8 @@ fn geometry(model: &Model, points: usize) -> Vec<TokenStream> {
     let first = points.saturating_sub(model.geometry.len());
     let number = |id| signed_number(constants::value(model, id));
     let entry = |(i, geometry): (usize, &shapebot_model_dsl::model::Geometry)| {
-        let (name, frame, center) = (&geometry.name, geometry.frame.0 as usize, first + i);
+        let name = &geometry.name;
+        let [frame, center] = [geometry.frame.0 as usize, first + i].map(Literal::usize_unsuffixed);
         let solid = match &geometry.solid {
             &Solid::Sphere(radius) => {
                 let radius = number(radius);
@@ -203,8 +205,8 @@ pub(super) fn page(emission: &Emission<'_>, symbols: &SymbolNames) -> String {
     super::render("module.md", include_str!("../../templates/module.md.tera"), &context)
 }
 
-fn shown_range(range: Option<Range>) -> String {
-    range.map_or_else(|| "—".to_owned(), |Range { lower, upper }| format!("{lower} to {upper}"))
+fn range_cell(range: Option<Range>, unit: &str) -> String {
+    range.map_or_else(|| "—".to_owned(), |range| shown_range(range, unit))
 }
 
 fn coordinate_rows(model: &Model, symbols: &SymbolNames, actuated: &[bool]) -> Vec<Row> {
@@ -215,7 +217,7 @@ fn coordinate_rows(model: &Model, symbols: &SymbolNames, actuated: &[bool]) -> V
             ("name", symbols.coordinates[i].clone()),
             ("role", role.to_owned()),
             ("unit", unit(&c.unit.text)),
-            ("range", shown_range(c.range)),
+            ("range", range_cell(c.range, &c.unit.text)),
             ("actuated", actuated.to_owned()),
         ])
     };
@@ -228,7 +230,7 @@ fn parameter_rows(model: &Model, symbols: &SymbolNames) -> Vec<Row> {
             ("name", symbols.fields[i].clone()),
             ("unit", unit(&p.unit.text)),
             ("value", format!("{}", p.value_f64)),
-            ("range", shown_range(p.range)),
+            ("range", range_cell(p.range, &p.unit.text)),
             ("docs", docs::cell(&p.docs)),
         ])
     };

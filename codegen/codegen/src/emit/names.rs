@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 /// Names that emitted bodies use themselves.
 const RESERVED: &[&str] = &[
-    "c", "q", "qd", "qdd", "qx", "qs", "qsd", "qsdd", "force", "params", "columns", "vector", "frame", "point",
+    "c", "q", "qd", "qdd", "qx", "qs", "qsd", "qsdd", "force", "params", "columns", "vector", "entries", "frame", "point",
     "actuator",
 ];
 

@@ -25,7 +25,7 @@ pub(super) fn params(model: &Model, symbols: &SymbolNames) -> Vec<Item> {
     let made = if fields.is_empty() {
         quote!(Self { marker: ::core::marker::PhantomData })
     } else {
-        quote!({ let c = T::from_f64; Self { #(#fields: c(#values)),* } })
+        quote!(let c = T::from_f64; Self { #(#fields: c(#values)),* })
     };
     let structure: Item = syn::parse_quote! {
         /// Parameters, in SI units.
@@ -49,7 +49,7 @@ pub(super) fn params(model: &Model, symbols: &SymbolNames) -> Vec<Item> {
 
 fn parameter_docs(parameter: &Parameter) -> String {
     let meaning = docs::paragraph(&parameter.docs);
-    let range = parameter.range.map_or(String::new(), |Range { lower, upper }| format!(", {lower} to {upper}"));
+    let range = parameter.range.map_or(String::new(), |range| format!(", {}", shown_range(range, &parameter.unit.text)));
     let facts = format!("`{}`, {}{range}; the model has {}.", parameter.path, unit(&parameter.unit.text), parameter.value_f64);
     if meaning.is_empty() { facts } else { format!("{meaning}\n\n{facts}") }
 }
@@ -60,6 +60,18 @@ pub(super) fn unit(text: &str) -> String {
         return "no unit".to_owned();
     }
     text.replace('*', "·").replace("^2", "²").replace("^3", "³")
+}
+
+/// A range for a reader; angles in degrees where that is shorter.
+pub(super) fn shown_range(Range { lower, upper }: Range, unit: &str) -> String {
+    let degrees = |value: f64| {
+        let rounded = (value.to_degrees() * 1000.0).round() / 1000.0;
+        (unit == "rad" && (rounded - value.to_degrees()).abs() < 1e-9).then_some(rounded)
+    };
+    match (degrees(lower), degrees(upper)) {
+        (Some(lower), Some(upper)) => format!("{lower}° to {upper}°"),
+        _ => format!("{lower} to {upper}"),
+    }
 }
 
 /// `validate`: finite, in range, and what the model requires of its parameters.
@@ -108,7 +120,7 @@ fn requirements(model: &Model, symbols: &SymbolNames) -> Vec<Stmt> {
     let roots: Vec<Root> = found.iter().flat_map(|&(left, _, right, _)| [root(left), root(right)]).collect();
     let body = plain_body(&graph, &roots, symbols, false);
     let mut statements: Vec<Stmt> = Vec::new();
-    if body.constants {
+    if body.constants > 0 {
         statements.push(helper());
     }
     let patterns = used_parameters(&body.used, symbols);
@@ -219,12 +231,16 @@ pub(super) fn robot(type_name: &str, model: &Model, symbols: &SymbolNames, hoist
     let name = ident(type_name);
     let fields: Vec<Ident> = hoisted.fields.iter().map(|root| ident(&root.name)).collect();
     let body = plain_body(&hoisted.graph, &hoisted.fields, symbols, true);
-    let constant = body.constants.then(helper);
+    let constant = (body.constants > 0).then(helper);
     let patterns = used_parameters(&body.used, symbols);
     let rest = (patterns.len() < symbols.fields.len()).then(|| quote!(..));
     let taken: Option<Stmt> =
         (!patterns.is_empty()).then(|| syn::parse_quote!(let Params { #(#patterns,)* #rest } = params;));
-    let (statements, results) = (&body.statements, &body.results);
+    let statements = &body.statements;
+    let results = fields.iter().zip(&body.results).map(|(field, value)| match value {
+        syn::Expr::Path(variable) if variable.path.is_ident(field) => quote!(#field),
+        value => quote!(#field: #value),
+    });
     let summary = docs::attributes(&format!(
         "{}: parameters at run time.\n\nHolds the parameters and every value that depends on them alone.",
         docs::cell(&model.name)
@@ -242,7 +258,7 @@ pub(super) fn robot(type_name: &str, model: &Model, symbols: &SymbolNames, hoist
                 #constant
                 #taken
                 #(#statements)*
-                Self { params, #(#fields: #results),* }
+                Self { params, #(#results),* }
             }
 
             /// With the model's own parameter values.

@@ -8,7 +8,7 @@ use super::names::SymbolNames;
 use shapebot_symbolic::{Graph, Id, Node, Symbol, Unary, nearest, needed};
 
 /// An expression that would be longer than this is split.
-const LONGEST: usize = 120;
+const LONGEST: usize = 150;
 
 /// Width that a named value is reckoned with.
 const NAME_WIDTH: usize = 14;

@@ -4,7 +4,7 @@
 use proc_macro2::Span;
 use syn::punctuated::Punctuated;
 use syn::{
-    BinOp, Expr, ExprArray, ExprBinary, ExprCall, ExprField, ExprLit, ExprMethodCall, ExprTuple,
+    BinOp, Expr, ExprArray, ExprBinary, ExprCall, ExprField, ExprLit, ExprMethodCall, 
     ExprUnary, Ident, Lit, LitFloat, Local, LocalInit, Member, Pat, PatIdent, PatSlice, PatTuple,
     PatWild, Stmt, UnOp,
 };
@@ -100,14 +100,6 @@ pub(super) fn array(elements: impl IntoIterator<Item = Expr>) -> Expr {
     Expr::Array(ExprArray {
         attrs: Vec::new(),
         bracket_token: Default::default(),
-        elems: elements.into_iter().collect(),
-    })
-}
-
-pub(super) fn tuple(elements: impl IntoIterator<Item = Expr>) -> Expr {
-    Expr::Tuple(ExprTuple {
-        attrs: Vec::new(),
-        paren_token: Default::default(),
         elems: elements.into_iter().collect(),
     })
 }
