@@ -103,7 +103,12 @@ impl<'a> Search<'a> {
     }
 
     fn try_normal_form(&mut self) {
-        let Some(polynomials) = expand(self.source, self.wanted, 100 + 2 * self.cost.0) else { return };
+        let flops = count(&self.graph, &self.ids).flops();
+        let Some(polynomials) = expand(self.source, self.wanted, 100 + 3 * flops) else { return };
+        // A term costs about one operation in the end.
+        if polynomials.terms() > flops + flops / 4 + 10 {
+            return;
+        }
         let system = emit::from_polynomials(&polynomials);
         for order in ORDERS {
             self.offer(emit::emit(&extract::extract(system.clone(), order)));
