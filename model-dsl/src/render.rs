@@ -3,6 +3,7 @@
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::Span;
 use annotate_snippets::{AnnotationKind, Element, Group, Level, Origin, Renderer, Snippet};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Sources beyond this are shown by place only.
@@ -56,7 +57,12 @@ fn place<'a>(diagnostic: &'a Diagnostic, source_name: &'a str, text: &'a str) ->
         primary = primary.label(diagnostic.primary_label.as_str());
     }
     let others = diagnostic.labels.iter().map(|(span, label)| AnnotationKind::Context.span(local(*span)).label(label.as_str()));
-    Snippet::source(&text[window.clone()])
+    // Shown as it looks in an editor; a space keeps the places.
+    let shown: Cow<'a, str> = match &text[window.clone()] {
+        lines if lines.contains('\r') => lines.replace('\r', " ").into(),
+        lines => lines.into(),
+    };
+    Snippet::source(shown)
         .line_start(line)
         .path(source_name)
         .annotation(primary)

@@ -37,7 +37,7 @@ fn an_empty_file() {
 fn bytes_that_are_no_text() {
     let parsed = parse_bytes("bytes.robot", b"robot Cart {\n  \xff\xfe }");
     assert_eq!(codes(&parsed), ["E0001"]);
-    render(&parsed.diagnostics, "bytes.robot", "robot", false);
+    let _ = render(&parsed.diagnostics, "bytes.robot", "robot", false);
 }
 
 #[test]
@@ -55,15 +55,17 @@ fn ten_megabytes() {
 }
 
 #[test]
-fn four_megabytes_of_anything() {
-    let size = (4 << 20) - 100;
+fn much_of_anything() {
+    let size = 200_000;
+    let big = "x ".repeat(2 << 20);
+    assert_eq!(codes(&parse("big.robot", &big[..big.len() - 100])), ["E0002"]);
     for piece in ["x ", "x+", "-", "x.", "{}", "x=1;", "let x = 1;\n", "1.", "é", "²", "|", "[]", "robot A { let", "///\n", "a^"] {
         let started = Instant::now();
         let text = piece.repeat(size / piece.len());
         check(&text);
         check(&format!("robot A {{ {} }}", &text[..text.len() / piece.len() / 2 * piece.len()]));
         check(&format!("robot A {{ let y = {}; }}", &text[..text.len() / piece.len() / 2 * piece.len()]));
-        assert!(started.elapsed() < Duration::from_secs(120), "{piece:?} took {:?}", started.elapsed());
+        assert!(started.elapsed() < Duration::from_secs(30), "{piece:?} took {:?}", started.elapsed());
     }
 }
 
@@ -118,7 +120,7 @@ fn spans_outside_of_the_text_are_moved_into_it() {
         diagnostic.span = shapebot_model_dsl::Span { start: 3, end: u32::MAX };
     }
     for text in ["", "é", "robot\n", "\r\n\r\n"] {
-        render(&parsed.diagnostics, "span.robot", text, false);
+        let _ = render(&parsed.diagnostics, "span.robot", text, false);
     }
 }
 

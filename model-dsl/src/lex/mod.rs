@@ -10,6 +10,7 @@ use crate::Span;
 use number::{BadNumber, Literal};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use std::str::FromStr;
+use unicode_normalization::UnicodeNormalization;
 
 /// What a token is.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,7 +147,7 @@ impl Flattener<'_> {
             }
             Ok(name) => return Kind::Ident(name),
             Err(c) => {
-                let marked = unicode_normalization::char::is_combining_mark(c);
+                let marked = std::iter::once(c).nfd().any(unicode_normalization::char::is_combining_mark);
                 Diagnostic::error(codes::E0008, span, format!("`{c}` in a name has no ASCII spelling"))
                     .label("names are Latin letters, digits, `_` and Greek letters")
                     .note("the names of a model become names of Rust fields and command line options")

@@ -10,6 +10,9 @@ use crate::Span;
 /// Deepest nesting of brackets.
 pub(crate) const MAX_DEPTH: usize = 256;
 
+/// Most tokens of a file, so that even nonsense is answered within a second or two.
+const MAX_TOKENS: usize = 400_000;
+
 /// Outcome of the scan.
 pub(crate) struct Scan {
     /// Text of the same length that the lexer takes.
@@ -23,15 +26,19 @@ struct Scanner<'a> {
     out: String,
     open: Vec<(char, usize)>,
     balanced: bool,
+    tokens: usize,
+    in_word: bool,
     sink: &'a mut Sink,
 }
 
 /// Looks at every character once.
 pub(crate) fn scan(text: &str, sink: &mut Sink) -> Scan {
-    let mut scanner = Scanner { text, out: String::with_capacity(text.len()), open: Vec::new(), balanced: true, sink };
-    let mut at = 0;
+    let mut scanner = Scanner { text, out: String::with_capacity(text.len()), open: Vec::new(), balanced: true, tokens: 0, in_word: false, sink };
+    // A byte order mark at the very start is how some editors say UTF-8.
+    let mut at = if text.starts_with('\u{feff}') { scanner.keep(0, 3) } else { 0 };
     while let Some(c) = text[at..].chars().next() {
         let end = scanner.step(at, c);
+        scanner.count(at, c);
         if !scanner.balanced {
             break;
         }
@@ -65,6 +72,22 @@ impl Scanner<'_> {
                 self.complain(at, c, &verdict);
                 self.replace(verdict.instead, end)
             }
+        }
+    }
+
+    /// Counts tokens roughly: every word, number and sign.
+    fn count(&mut self, at: usize, c: char) {
+        let word = c.is_alphanumeric() || c == '_';
+        let begins = if word { !self.in_word } else { !c.is_whitespace() };
+        self.in_word = word;
+        self.tokens += usize::from(begins);
+        if self.tokens > MAX_TOKENS && self.balanced {
+            self.balanced = false;
+            self.sink.push(
+                Diagnostic::error(codes::E0002, Span::new(at, at + c.len_utf8()), "the file is too large")
+                    .label(format!("token number {MAX_TOKENS}"))
+                    .help("a robot with many like parts is written with `component` and `repeat`"),
+            );
         }
     }
 
@@ -172,7 +195,8 @@ impl Scanner<'_> {
                 .label("text in quotes")
                 .help("documentation goes into `///` comments"),
         );
-        self.replace("", end)
+        // A zero fits wherever a value is expected.
+        self.replace("0", end)
     }
 }
 

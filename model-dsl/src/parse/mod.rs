@@ -152,16 +152,13 @@ impl Parser<'_> {
         if after_operand && before_operand && same_line && !self.at_keyword() && !self.on_new_line() {
             return self.missing_operator();
         }
-        let (span, help) = (self.span(), self.hint(what));
+        let (span, help) = (self.span(), self.hint());
         let title = format!("expected {what}, found {}", self.found());
         self.sink.push(Diagnostic::error(codes::E0101, span, title).label("not expected here").maybe_help(help));
         Reported
     }
 
-    fn hint(&self, what: &str) -> Option<String> {
-        if what.starts_with("`;`") && (self.on_new_line() || self.at_keyword() || matches!(self.peek(), Kind::Close('}') | Kind::Doc { .. })) {
-            return Some("end the statement before with `;`".to_owned());
-        }
+    fn hint(&self) -> Option<String> {
         if self.is_puncts("==") {
             return Some("a definition is written with one `=`".to_owned());
         }

@@ -124,21 +124,32 @@ impl Parser<'_> {
             }
             _ => self.require()?,
         };
-        self.end_of_statement();
-        Ok(Some(kind))
+        if self.end_of_statement() {
+            return Ok(Some(kind));
+        }
+        Ok(without_values(kind))
     }
 
-    /// The `;`. If it is missing the statement is kept, so that its names are known.
-    fn end_of_statement(&mut self) {
+    /// The `;`. Returns whether the statement before was complete; it is if only the `;` is missing at
+    /// the end of its line.
+    fn end_of_statement(&mut self) -> bool {
         if self.eat_punct(';') {
-            return;
+            return true;
         }
         let from = self.at;
-        let new_line = self.on_new_line();
-        let Reported = self.expected("`;` after the statement");
-        if !self.at_keyword() && !new_line {
-            self.recover(from);
+        if self.on_new_line() || self.at_keyword() || matches!(self.peek(), Kind::Close('}') | Kind::End) {
+            let span = self.before();
+            let found = self.found();
+            self.sink.push(
+                Diagnostic::error(codes::E0101, span, format!("expected `;` after the statement, found {found}"))
+                    .label("`;` is missing behind this")
+                    .help("end every statement with `;`"),
+            );
+            return true;
         }
+        let Reported = self.expected("`;` after the statement");
+        self.recover(from);
+        false
     }
 
     /// `= expr`; a broken expression still defines the name.
@@ -464,5 +475,18 @@ impl Parser<'_> {
             Diagnostic::error(codes::E0407, span, "`mirror` takes two instances").help("write `mirror(left, right)`"),
         );
         Err(Reported)
+    }
+}
+
+/// What is left of a statement whose end could not be read: the names that it declares.
+fn without_values(kind: StatementKind) -> Option<StatementKind> {
+    let broken = |e: Expr| Expr { kind: ExprKind::Error, ..e };
+    match kind {
+        StatementKind::Let(name, e) => Some(StatementKind::Let(name, broken(e))),
+        StatementKind::Const(name, e) => Some(StatementKind::Const(name, broken(e))),
+        StatementKind::Frame(name, e) => Some(StatementKind::Frame(name, broken(e))),
+        StatementKind::Point(name, e) => Some(StatementKind::Point(name, broken(e))),
+        StatementKind::Coordinates(c) => Some(StatementKind::Coordinates(c)),
+        _ => None,
     }
 }

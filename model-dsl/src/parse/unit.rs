@@ -91,6 +91,13 @@ impl Parser<'_> {
             "g" | "gram" => Some("write masses in `kg`".to_owned()),
             "kgm" => Some("write `kg*m`".to_owned()),
             "Nm" => Some("write `N*m`".to_owned()),
+            "meter" | "metre" | "meters" | "metres" => Some("write `m`".to_owned()),
+            "kilogram" | "kilograms" => Some("write `kg`".to_owned()),
+            "second" | "seconds" | "sec" => Some("write `s`".to_owned()),
+            "radian" | "radians" => Some("write `rad`".to_owned()),
+            "newton" | "newtons" => Some("write `N`".to_owned()),
+            "joule" | "joules" => Some("write `J`".to_owned()),
+            "watt" | "watts" => Some("write `W`".to_owned()),
             "degree" | "degrees" => Some("write `rad` and give values as `30deg`".to_owned()),
             _ => closest(name, units::UNITS.iter().map(|u| u.name)).map(|n| format!("did you mean `{n}`?")),
         };

@@ -107,7 +107,7 @@ impl<'a> Resolver<'a> {
     pub(super) fn entries(&mut self, value: &Value<'a>, span: Span, what: &str) -> Option<Array> {
         match value {
             Value::Array(a) => Some(a.clone()),
-            Value::Scalar(s) => Some(Array { entries: vec![*s], labels: super::value::default_labels(1) }),
+            Value::Scalar(s) => Some(Array::new(vec![*s], super::value::default_labels(1))),
             Value::Poison => None,
             other => {
                 self.sink.push(

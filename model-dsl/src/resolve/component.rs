@@ -153,7 +153,7 @@ impl<'a> Resolver<'a> {
                 if !a.entries.iter().all(|s| self.demand(*s, wanted, span, what)) {
                     return Value::Poison;
                 }
-                Value::Array(Array { entries: a.entries, labels: labels.clone() })
+                Value::Array(Array::new(a.entries, labels.clone()))
             }
             other => self.wrong_argument(what, &format!("an array of {}", labels.len()), &other, span),
         }

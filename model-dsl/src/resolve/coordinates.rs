@@ -26,9 +26,11 @@ impl<'a> Resolver<'a> {
             (Some(bounds), Some(unit)) => self.bounds(bounds, unit),
             _ => None,
         };
+        self.coordinates_broken |= unit.is_none();
         let role = if coordinates.position { Role::Position } else { Role::Shape };
         for declarator in &coordinates.names {
             let Some(declared) = self.declarator(declarator) else {
+                self.coordinates_broken = true;
                 self.bind((declarator.name.text.clone(), None), Value::Poison, declarator.name.span);
                 continue;
             };
@@ -65,7 +67,7 @@ impl<'a> Resolver<'a> {
             Some(labels) => {
                 let entry = |l: &String| if is_number(l) { format!("{path}[{l}]") } else { format!("{path}.{l}") };
                 let entries = labels.iter().map(|l| add(self, entry(l))).collect();
-                Value::Array(Array { entries, labels: labels.clone() })
+                Value::Array(Array::new(entries, labels.clone()))
             }
         }
     }

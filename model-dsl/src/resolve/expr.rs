@@ -267,7 +267,8 @@ impl<'a> Resolver<'a> {
             return Value::Poison;
         }
         let labels = default_labels(entries.len());
-        Value::Array(Array { entries, labels })
+        let spans = list.iter().map(|e| e.span).collect();
+        Value::Array(Array { entries, labels, spans })
     }
 
     fn power(&mut self, base: &'a ast::Expr, exponent: &'a ast::Expr, span: Span) -> Value<'a> {

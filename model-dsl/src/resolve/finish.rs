@@ -68,6 +68,10 @@ impl<'a> Resolver<'a> {
 
     /// Missing parts; silent if something was refused, since it may be the missing part.
     fn whole_model(&mut self, robot: &ast::Robot) {
+        if self.coordinates_broken || self.stopped {
+            return;
+        }
+        self.output_count();
         if self.sink.has_errors() {
             return;
         }
@@ -87,7 +91,6 @@ impl<'a> Resolver<'a> {
                     .help("add `rigid` bodies, or write the energy: `kinetic 1/2*m*d/dt(x)^2;`"),
             );
         }
-        self.output_count();
     }
 
     fn output_count(&mut self) {

@@ -49,6 +49,8 @@ pub(crate) struct Resolver<'a> {
     expanding: Vec<&'a str>,
     expansions: usize,
     stopped: bool,
+    /// Some coordinates could not be declared: counting them makes no sense.
+    coordinates_broken: bool,
     used_parameters: BTreeSet<u32>,
     parameters: Vec<model::Parameter>,
     parameter_ids: Vec<ExprId>,
@@ -79,6 +81,7 @@ pub(crate) fn resolve(robot: &ast::Robot, source_name: &str, text: &str, sink: &
 
 impl<'a> Resolver<'a> {
     fn new(sink: &'a mut Sink) -> Self {
+        let coordinates_broken = sink.has_errors();
         let mut arena = Arena::default();
         arena.push_frame(None, std::iter::empty());
         let world =
@@ -96,6 +99,7 @@ impl<'a> Resolver<'a> {
             expanding: Vec::new(),
             expansions: 0,
             stopped: false,
+            coordinates_broken,
             used_parameters: BTreeSet::new(),
             parameters: Vec::new(),
             parameter_ids: Vec::new(),

@@ -33,7 +33,7 @@ impl<'a> Resolver<'a> {
                 let labels = default_labels(a.entries.len());
                 let entries: Option<Vec<Scalar>> =
                     labels.iter().zip(&a.entries).map(|(l, s)| make(self, &format!(".{l}"), *s)).collect();
-                entries.map_or(Value::Poison, |entries| Value::Array(Array { entries, labels }))
+                entries.map_or(Value::Poison, |entries| Value::Array(Array::new(entries, labels)))
             }
             Value::Matrix(m) => self.matrix_parameter(parameter, &m, make),
             other => {

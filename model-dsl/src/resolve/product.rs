@@ -126,7 +126,7 @@ impl<'a> Resolver<'a> {
                 None => return Value::Poison,
             }
         }
-        Value::Array(Array { entries, labels: first.labels.clone() })
+        Value::Array(Array::new(entries, first.labels.clone()))
     }
 
     pub(super) fn lengths(&mut self, left: Span, a: usize, right: Span, b: usize) -> Value<'a> {
@@ -260,7 +260,7 @@ impl<'a> Resolver<'a> {
             let Some(product) = self.mul(factor, *entry, span) else { return Value::Poison };
             entries.push(product);
         }
-        Value::Array(Array { entries, labels: array.labels.clone() })
+        Value::Array(Array::new(entries, array.labels.clone()))
     }
 
     fn scale_matrix(&mut self, factor: Scalar, matrix: &[[Scalar; 3]; 3], span: Span) -> Value<'a> {

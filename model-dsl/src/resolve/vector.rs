@@ -45,32 +45,31 @@ impl<'a> Resolver<'a> {
             );
             return Value::Poison;
         };
-        let list = [a, b, c].map(|s| (s, at, false)).to_vec();
-        let Some(dimension) = self.common_dimension(&list) else { return Value::Poison };
+        let spans: Vec<Span> = (0..3).map(|i| array.spans.get(i).copied().unwrap_or(at)).collect();
+        let Some(dimension) = self.common_dimension(&array.entries, &spans) else { return Value::Poison };
         let vector = FrameVector { frame, entries: [a.id, b.id, c.id] };
         let id = self.arena.push_vector(Vector::InFrame(vector.clone()), span);
         Value::Vector(Geometric { id, dimension, terms: Some(Rc::new(vec![vector])) })
     }
 
     /// The dimension that all have; reports unlike ones.
-    fn common_dimension(&mut self, list: &[(Scalar, Span, bool)]) -> Option<Option<Dimension>> {
-        let mut known: Option<Dimension> = None;
-        for (scalar, ..) in list {
-            let span = self.arena.expressions[scalar.id.0 as usize].1;
+    fn common_dimension(&mut self, list: &[Scalar], spans: &[Span]) -> Option<Option<Dimension>> {
+        let mut known: Option<(Dimension, Span)> = None;
+        for (scalar, span) in list.iter().zip(spans) {
             match (known, scalar.dimension) {
-                (Some(d), Some(other)) if d != other => {
+                (Some((d, at)), Some(other)) if d != other => {
                     self.sink.push(
-                        Diagnostic::error(codes::E0301, span, "the components of a vector are quantities of one kind")
+                        Diagnostic::error(codes::E0301, *span, "the components of a vector are quantities of one kind")
                             .label(other.describe())
-                            .note(format!("the components before are {}", d.describe())),
+                            .also(at, d.describe()),
                     );
                     return None;
                 }
-                (None, d) => known = d,
+                (None, Some(d)) => known = Some((d, *span)),
                 _ => {}
             }
         }
-        Some(known)
+        Some(known.map(|k| k.0))
     }
 
     /// `factor * vector`, on its terms as well.
@@ -156,7 +155,7 @@ impl<'a> Resolver<'a> {
             Value::Scalar(s) => self.scalar_rate(s, span).map_or(Value::Poison, Value::Scalar),
             Value::Array(a) => {
                 let entries: Option<Vec<Scalar>> = a.entries.iter().map(|s| self.scalar_rate(*s, span)).collect();
-                entries.map_or(Value::Poison, |entries| Value::Array(Array { entries, labels: a.labels }))
+                entries.map_or(Value::Poison, |entries| Value::Array(Array::new(entries, a.labels)))
             }
             Value::Vector(v) => {
                 let Some(dimension) = rate_dimension(v.dimension) else { return self.exponent_overflow(span) };
