@@ -161,8 +161,13 @@ impl Sink {
     /// In the order of the text, without repetitions, at most [`SHOWN`].
     pub(crate) fn finish(mut self) -> Vec<Diagnostic> {
         self.list.sort_by(|a, b| {
-            (a.span.start, a.severity, a.span.end, a.code, &a.title)
-                .cmp(&(b.span.start, b.severity, b.span.end, b.code, &b.title))
+            (a.span.start, a.severity, a.span.end, a.code, &a.title).cmp(&(
+                b.span.start,
+                b.severity,
+                b.span.end,
+                b.code,
+                &b.title,
+            ))
         });
         self.list.dedup();
         let hidden = self.list.len().saturating_sub(SHOWN) + self.dropped;

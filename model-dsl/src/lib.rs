@@ -132,7 +132,8 @@ pub fn parse(source_name: &str, text: &str) -> Parsed {
     // depth of brackets that is allowed fits its stack whatever stack the caller has.
     let run = || parse_here(source_name, text);
     let spawned = std::thread::scope(|scope| {
-        let builder = std::thread::Builder::new().name("shapebot-parse".to_owned()).stack_size(STACK);
+        let builder =
+            std::thread::Builder::new().name("shapebot-parse".to_owned()).stack_size(STACK);
         builder.spawn_scoped(scope, run).map(|handle| handle.join())
     });
     match spawned {
@@ -171,9 +172,13 @@ fn refuse(diagnostic: Diagnostic) -> Parsed {
 }
 
 fn too_large(bytes: usize) -> Diagnostic {
-    Diagnostic::error(codes::E0002, Span::default(), format!("the file is too large: {bytes} bytes"))
-        .note(format!("a model has at most {MAX_BYTES} bytes"))
-        .help("a robot with many like parts is written with `component` and `repeat`")
+    Diagnostic::error(
+        codes::E0002,
+        Span::default(),
+        format!("the file is too large: {bytes} bytes"),
+    )
+    .note(format!("a model has at most {MAX_BYTES} bytes"))
+    .help("a robot with many like parts is written with `component` and `repeat`")
 }
 
 fn internal() -> Diagnostic {

@@ -2,7 +2,7 @@
 #![allow(missing_docs)]
 
 use proptest::prelude::*;
-use shapebot_model_dsl::{parse, parse_bytes, render, Parsed};
+use shapebot_model_dsl::{Parsed, parse, parse_bytes, render};
 use std::time::{Duration, Instant};
 
 fn codes(parsed: &Parsed) -> Vec<&'static str> {
@@ -23,7 +23,9 @@ fn check(text: &str) {
 }
 
 fn cart(statement: &str) -> String {
-    format!("robot Cart {{\n    params {{ m: kg = 1; }}\n    position x: m;\n    kinetic 1/2*m*d/dt(x)^2;\n    {statement}\n}}\n")
+    format!(
+        "robot Cart {{\n    params {{ m: kg = 1; }}\n    position x: m;\n    kinetic 1/2*m*d/dt(x)^2;\n    {statement}\n}}\n"
+    )
 }
 
 #[test]
@@ -44,7 +46,11 @@ fn bytes_that_are_no_text() {
 fn a_byte_order_mark_and_windows_lines_do_no_harm() {
     let text = format!("\u{feff}{}", cart("").replace('\n', "\r\n"));
     let parsed = parse("windows.robot", &text);
-    assert!(parsed.model.is_some(), "{}", render(&parsed.diagnostics, "windows.robot", &text, false));
+    assert!(
+        parsed.model.is_some(),
+        "{}",
+        render(&parsed.diagnostics, "windows.robot", &text, false)
+    );
 }
 
 #[test]
@@ -59,13 +65,36 @@ fn much_of_anything() {
     let size = 200_000;
     let big = "x ".repeat(2 << 20);
     assert_eq!(codes(&parse("big.robot", &big[..big.len() - 100])), ["E0002"]);
-    for piece in ["x ", "x+", "-", "x.", "{}", "x=1;", "let x = 1;\n", "1.", "é", "²", "|", "[]", "robot A { let", "///\n", "a^"] {
+    for piece in [
+        "x ",
+        "x+",
+        "-",
+        "x.",
+        "{}",
+        "x=1;",
+        "let x = 1;\n",
+        "1.",
+        "é",
+        "²",
+        "|",
+        "[]",
+        "robot A { let",
+        "///\n",
+        "a^",
+    ] {
         let started = Instant::now();
         let text = piece.repeat(size / piece.len());
         check(&text);
         check(&format!("robot A {{ {} }}", &text[..text.len() / piece.len() / 2 * piece.len()]));
-        check(&format!("robot A {{ let y = {}; }}", &text[..text.len() / piece.len() / 2 * piece.len()]));
-        assert!(started.elapsed() < Duration::from_secs(30), "{piece:?} took {:?}", started.elapsed());
+        check(&format!(
+            "robot A {{ let y = {}; }}",
+            &text[..text.len() / piece.len() / 2 * piece.len()]
+        ));
+        assert!(
+            started.elapsed() < Duration::from_secs(30),
+            "{piece:?} took {:?}",
+            started.elapsed()
+        );
     }
 }
 
@@ -126,11 +155,80 @@ fn spans_outside_of_the_text_are_moved_into_it() {
 
 /// Pieces of models, so that random files get past the first statement.
 const PIECES: &[&str] = &[
-    "robot", "A", "{", "}", "(", ")", "[", "]", ";", ":", ",", "=", "params", "position", "shape", "let", "const", "frame",
-    "kinetic", "potential", "lagrangian", "rigid", "gravity", "component", "repeat", "actuator", "output", "point",
-    "dissipation", "friction", "require", "x", "phi", "m", "kg", "rad", "world", "rot_y", "d/dt(", "sin(", "|", "+", "-", "*",
-    "/", "^", "..", "..=", ".", "1", "0", "2.5", "80deg", "in", "on", "at", "along", "limit", "i", "n", "sum(i in 1..=3,", "mass",
-    "com", "inertia", "<", "mirror", "shape_accelerated", "sphere", "/// doc\n", "//! doc\n", "\n", "θ", "²", "'",
+    "robot",
+    "A",
+    "{",
+    "}",
+    "(",
+    ")",
+    "[",
+    "]",
+    ";",
+    ":",
+    ",",
+    "=",
+    "params",
+    "position",
+    "shape",
+    "let",
+    "const",
+    "frame",
+    "kinetic",
+    "potential",
+    "lagrangian",
+    "rigid",
+    "gravity",
+    "component",
+    "repeat",
+    "actuator",
+    "output",
+    "point",
+    "dissipation",
+    "friction",
+    "require",
+    "x",
+    "phi",
+    "m",
+    "kg",
+    "rad",
+    "world",
+    "rot_y",
+    "d/dt(",
+    "sin(",
+    "|",
+    "+",
+    "-",
+    "*",
+    "/",
+    "^",
+    "..",
+    "..=",
+    ".",
+    "1",
+    "0",
+    "2.5",
+    "80deg",
+    "in",
+    "on",
+    "at",
+    "along",
+    "limit",
+    "i",
+    "n",
+    "sum(i in 1..=3,",
+    "mass",
+    "com",
+    "inertia",
+    "<",
+    "mirror",
+    "shape_accelerated",
+    "sphere",
+    "/// doc\n",
+    "//! doc\n",
+    "\n",
+    "θ",
+    "²",
+    "'",
 ];
 
 /// Mutations of a good model: a token removed, doubled or replaced.

@@ -1,8 +1,8 @@
 //! The arenas of scalars and vectors while they grow, with what each node depends on.
 
+use crate::Span;
 use crate::model::{Expr, ExprId, FrameId, FrameVector, Vector, VectorId};
 use crate::units::{too_big, whole_power};
-use crate::Span;
 use num_rational::BigRational;
 use num_traits::{One, ToPrimitive, Zero};
 
@@ -78,7 +78,11 @@ impl Arena {
     }
 
     /// Registers what a new frame's rotations depend on.
-    pub(crate) fn push_frame(&mut self, parent: Option<FrameId>, angles: impl Iterator<Item = ExprId>) {
+    pub(crate) fn push_frame(
+        &mut self,
+        parent: Option<FrameId>,
+        angles: impl Iterator<Item = ExprId>,
+    ) {
         let mut info = parent.map_or(Info::default(), |p| self.frame(p));
         for angle in angles {
             info = info.or(self.of(angle));
@@ -126,7 +130,12 @@ impl Arena {
         self.as_number(id).is_some_and(One::is_one)
     }
 
-    fn fold(&self, a: ExprId, b: ExprId, f: impl Fn(&BigRational, &BigRational) -> BigRational) -> Option<Expr> {
+    fn fold(
+        &self,
+        a: ExprId,
+        b: ExprId,
+        f: impl Fn(&BigRational, &BigRational) -> BigRational,
+    ) -> Option<Expr> {
         let value = f(self.as_number(a)?, self.as_number(b)?);
         (!too_big(&value)).then_some(Expr::Number(value))
     }
@@ -196,7 +205,9 @@ impl Arena {
             Expr::Number(_) | Expr::Pi => Info::default(),
             Expr::Parameter(_) => leaf(Depends { parameters: true, ..Depends::default() }),
             Expr::Coordinate(_) => leaf(Depends { coordinates: true, ..Depends::default() }),
-            Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) | Expr::Div(a, b) => self.of(*a).or(self.of(*b)),
+            Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) | Expr::Div(a, b) => {
+                self.of(*a).or(self.of(*b))
+            }
             Expr::Neg(a) | Expr::Power(a, _) => self.of(*a),
             Expr::Call(_, list) => list.iter().fold(Info::default(), |i, a| i.or(self.of(*a))),
             Expr::TimeDerivative(a) => rate(self.of(*a)),

@@ -1,14 +1,14 @@
 //! Frames, rigid bodies, points, solids, gravity.
 
+use super::Resolver;
 use super::scope::identifier;
 use super::value::{Body, Scalar, Value};
-use super::Resolver;
+use crate::Span;
 use crate::ast::{self, Expr as AstExpr, IndexedName};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::model::{self, Axis, Dimension, ExprId, FrameId, Gravity, Point, RigidBody, Solid};
 use crate::units::ratio;
-use crate::Span;
 use std::rc::Rc;
 
 const FIELDS: &[&str] = &["mass", "inertia", "frame", "com"];
@@ -69,7 +69,13 @@ impl<'a> Resolver<'a> {
         rigid.fields.iter().find(|(n, _)| n.text == name).map(|(_, e)| e)
     }
 
-    fn body(&mut self, rigid: &'a ast::Rigid, path: String, docs: &str, span: Span) -> Option<Body> {
+    fn body(
+        &mut self,
+        rigid: &'a ast::Rigid,
+        path: String,
+        docs: &str,
+        span: Span,
+    ) -> Option<Body> {
         self.check_fields(rigid);
         let head = rigid.name.name.span;
         let mass = match self.field(rigid, "mass") {
@@ -118,16 +124,24 @@ impl<'a> Resolver<'a> {
         for (i, (name, _)) in rigid.fields.iter().enumerate() {
             if let Some((first, _)) = rigid.fields[..i].iter().find(|(n, _)| n.text == name.text) {
                 self.sink.push(
-                    Diagnostic::error(codes::E0110, name.span, format!("`{}` is given twice", name.text))
-                        .also(first.span, "first given here"),
+                    Diagnostic::error(
+                        codes::E0110,
+                        name.span,
+                        format!("`{}` is given twice", name.text),
+                    )
+                    .also(first.span, "first given here"),
                 );
             }
             if !FIELDS.contains(&name.text.as_str()) {
                 let close = crate::suggest::closest(&name.text, FIELDS.iter().copied());
                 self.sink.push(
-                    Diagnostic::error(codes::E0110, name.span, format!("a rigid body has no field `{}`", name.text))
-                        .note("its fields are `mass`, `inertia`, `frame` and `com`")
-                        .maybe_help(close.map(|c| format!("did you mean `{c}`?"))),
+                    Diagnostic::error(
+                        codes::E0110,
+                        name.span,
+                        format!("a rigid body has no field `{}`", name.text),
+                    )
+                    .note("its fields are `mass`, `inertia`, `frame` and `com`")
+                    .maybe_help(close.map(|c| format!("did you mean `{c}`?"))),
                 );
             }
         }
@@ -142,7 +156,8 @@ impl<'a> Resolver<'a> {
         let matrix = match self.eval(expr) {
             Value::Matrix(m) => *m,
             Value::Scalar(s) => {
-                let zero = Scalar { id: self.arena.number(ratio(0, 1), expr.span), dimension: None };
+                let zero =
+                    Scalar { id: self.arena.number(ratio(0, 1), expr.span), dimension: None };
                 let mut m = [[zero; 3]; 3];
                 (0..3).for_each(|i| m[i][i] = s);
                 m
@@ -163,9 +178,13 @@ impl<'a> Resolver<'a> {
             }
             if !self.arena.depends(entry.id).is_constant() {
                 self.sink.push(
-                    Diagnostic::error(codes::E0507, expr.span, "an inertia is a constant in its body's frame")
-                        .label("this changes while the robot moves")
-                        .help("name the body's `frame`; its inertia turns with it"),
+                    Diagnostic::error(
+                        codes::E0507,
+                        expr.span,
+                        "an inertia is a constant in its body's frame",
+                    )
+                    .label("this changes while the robot moves")
+                    .help("name the body's `frame`; its inertia turns with it"),
                 );
                 return None;
             }
@@ -173,7 +192,13 @@ impl<'a> Resolver<'a> {
         Some(matrix.map(|row| row.map(|s| s.id)))
     }
 
-    pub(super) fn point(&mut self, name: &'a IndexedName, expr: &'a AstExpr, docs: &str, span: Span) {
+    pub(super) fn point(
+        &mut self,
+        name: &'a IndexedName,
+        expr: &'a AstExpr,
+        docs: &str,
+        span: Span,
+    ) {
         let value = self.eval(expr);
         let Some(key) = self.key(name) else { return };
         let value = match self.position(&value, expr.span, "a point") {
@@ -188,10 +213,20 @@ impl<'a> Resolver<'a> {
         self.bind(key, value, name.name.span);
     }
 
-    pub(super) fn gravity(&mut self, acceleration: &'a AstExpr, axis: Option<(Axis, i8)>, span: Span) {
-        let value = self.constant_quantity(acceleration, "the acceleration of gravity", Dimension::ACCELERATION);
+    pub(super) fn gravity(
+        &mut self,
+        acceleration: &'a AstExpr,
+        axis: Option<(Axis, i8)>,
+        span: Span,
+    ) {
+        let value = self.constant_quantity(
+            acceleration,
+            "the acceleration of gravity",
+            Dimension::ACCELERATION,
+        );
         if let Some(first) = &self.gravity {
-            let diagnostic = Diagnostic::error(codes::E0506, span, "gravity is declared twice").also(first.span, "first here");
+            let diagnostic = Diagnostic::error(codes::E0506, span, "gravity is declared twice")
+                .also(first.span, "first here");
             self.sink.push(diagnostic);
             return;
         }
@@ -249,23 +284,33 @@ impl<'a> Resolver<'a> {
         let Some((_, count, usage)) = SOLIDS.iter().find(|(n, ..)| *n == name) else {
             let close = crate::suggest::closest(name, SOLIDS.iter().map(|s| s.0));
             self.sink.push(
-                Diagnostic::error(codes::E0208, geometry.solid.span, format!("there is no solid `{name}`"))
-                    .note("solids are sphere, box, capsule and cylinder")
-                    .maybe_help(close.map(|c| format!("did you mean `{c}`?"))),
+                Diagnostic::error(
+                    codes::E0208,
+                    geometry.solid.span,
+                    format!("there is no solid `{name}`"),
+                )
+                .note("solids are sphere, box, capsule and cylinder")
+                .maybe_help(close.map(|c| format!("did you mean `{c}`?"))),
             );
             return None;
         };
         if geometry.arguments.len() != *count {
             self.sink.push(
-                Diagnostic::error(codes::E0407, geometry.solid.span, format!("`{name}` takes {count} lengths"))
-                    .label(format!("{} given", geometry.arguments.len()))
-                    .help(format!("write `{usage}`")),
+                Diagnostic::error(
+                    codes::E0407,
+                    geometry.solid.span,
+                    format!("`{name}` takes {count} lengths"),
+                )
+                .label(format!("{} given", geometry.arguments.len()))
+                .help(format!("write `{usage}`")),
             );
             return None;
         }
         let mut sizes = Vec::with_capacity(3);
         for expr in &geometry.arguments {
-            sizes.push(self.constant_quantity(expr, "a size of a solid", Dimension::LENGTH).map(|s| s.id));
+            sizes.push(
+                self.constant_quantity(expr, "a size of a solid", Dimension::LENGTH).map(|s| s.id),
+            );
         }
         let sizes: Vec<ExprId> = sizes.into_iter().collect::<Option<_>>()?;
         Some(match (name, sizes.as_slice()) {

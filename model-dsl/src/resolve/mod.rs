@@ -18,11 +18,11 @@ mod scope;
 mod value;
 mod vector;
 
+use crate::Span;
 use crate::ast::{self, Statement, StatementKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::model::{self, ExprId, Frame, FrameId, Model};
-use crate::Span;
 use arena::Arena;
 use scope::{Binding, Level, Scope};
 use std::collections::{BTreeMap, BTreeSet};
@@ -84,8 +84,12 @@ impl<'a> Resolver<'a> {
         let coordinates_broken = sink.has_errors();
         let mut arena = Arena::default();
         arena.push_frame(None, std::iter::empty());
-        let world =
-            Frame { name: "world".to_owned(), parent: None, rotations: Vec::new(), span: Span::default() };
+        let world = Frame {
+            name: "world".to_owned(),
+            parent: None,
+            rotations: Vec::new(),
+            span: Span::default(),
+        };
         let mut names = BTreeMap::new();
         let binding = Binding { value: Value::Frame(FrameId::WORLD), span: Span::default() };
         names.insert(("world".to_owned(), None), binding);
@@ -188,7 +192,9 @@ impl<'a> Resolver<'a> {
                 self.only_in_robot("gravity", span);
                 self.gravity(acceleration, *axis, span);
             }
-            StatementKind::Instance { name, component, arguments } => self.instance(name, component, arguments, span),
+            StatementKind::Instance { name, component, arguments } => {
+                self.instance(name, component, arguments, span)
+            }
             StatementKind::Repeat(repeat) => self.repeat(repeat),
             StatementKind::Actuator(actuator) => self.actuator(actuator, docs, span),
             StatementKind::Output(expr, unit) => {
@@ -205,9 +211,13 @@ impl<'a> Resolver<'a> {
     fn only_in_robot(&mut self, what: &str, span: Span) {
         if self.level() != Level::Robot {
             self.sink.push(
-                Diagnostic::error(codes::E0109, span, format!("`{what}` stands directly in the robot"))
-                    .label("not inside a component or a repetition")
-                    .help("move it out of the braces"),
+                Diagnostic::error(
+                    codes::E0109,
+                    span,
+                    format!("`{what}` stands directly in the robot"),
+                )
+                .label("not inside a component or a repetition")
+                .help("move it out of the braces"),
             );
         }
     }
@@ -227,12 +237,20 @@ impl<'a> Resolver<'a> {
         };
         if !is_number {
             self.sink.push(
-                Diagnostic::error(codes::E0507, expr.span, "a `const` is a number known while the file is read")
-                    .label(format!("this is {}", value.kind()))
-                    .help("use `let` for anything that depends on parameters or coordinates"),
+                Diagnostic::error(
+                    codes::E0507,
+                    expr.span,
+                    "a `const` is a number known while the file is read",
+                )
+                .label(format!("this is {}", value.kind()))
+                .help("use `let` for anything that depends on parameters or coordinates"),
             );
         }
-        self.bind((name.text.clone(), None), if is_number { value } else { Value::Poison }, name.span);
+        self.bind(
+            (name.text.clone(), None),
+            if is_number { value } else { Value::Poison },
+            name.span,
+        );
     }
 }
 
@@ -241,7 +259,9 @@ fn collect_names(list: &[Statement], into: &mut BTreeMap<String, Span>) {
     for statement in list {
         let names: Vec<&ast::Name> = match &statement.kind {
             StatementKind::Coordinates(c) => c.names.iter().map(|d| &d.name).collect(),
-            StatementKind::Let(n, _) | StatementKind::Frame(n, _) | StatementKind::Point(n, _) => vec![&n.name],
+            StatementKind::Let(n, _) | StatementKind::Frame(n, _) | StatementKind::Point(n, _) => {
+                vec![&n.name]
+            }
             StatementKind::Const(n, _) => vec![n],
             StatementKind::Rigid(r) => vec![&r.name.name],
             StatementKind::Instance { name, .. } => vec![&name.name],

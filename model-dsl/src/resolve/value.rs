@@ -1,9 +1,9 @@
 //! What an expression of the language stands for while it is being resolved.
 
 use super::arena::Arena;
+use crate::Span;
 use crate::ast;
 use crate::model::{Axis, CoordinateId, Dimension, Expr, ExprId, FrameId, FrameVector, VectorId};
-use crate::Span;
 use std::rc::Rc;
 
 /// A scalar; without a dimension if it is a literal zero, which fits everywhere.
