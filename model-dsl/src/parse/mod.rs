@@ -180,7 +180,7 @@ impl Parser<'_> {
     }
 
     fn hint(&self) -> Option<String> {
-        if self.is_puncts("==") {
+        if self.is_puncts("==") || (self.is_punct('=') && self.before_is('=')) {
             return Some("a definition is written with one `=`".to_owned());
         }
         if self.is_puncts("**") || (self.is_punct('*') && self.before_is('*')) {

@@ -79,7 +79,9 @@ impl<'a> Resolver<'a> {
         self.check_fields(rigid);
         let head = rigid.name.name.span;
         let mass = match self.field(rigid, "mass") {
-            Some(expr) => self.constant_quantity(expr, "a mass", Dimension::MASS),
+            Some(expr) => self
+                .constant_quantity(expr, "a mass", Dimension::MASS)
+                .filter(|m| self.not_negative(*m, true, expr.span, "a mass")),
             None => self.missing(head, "mass"),
         };
         let frame = match self.field(rigid, "frame") {
@@ -90,6 +92,13 @@ impl<'a> Resolver<'a> {
             Some(expr) => self.inertia(expr),
             None => Some(self.no_inertia(span)),
         };
+        if let (Some(expr), Some(FrameId::WORLD)) = (self.field(rigid, "inertia"), frame) {
+            self.sink.push(
+                Diagnostic::warning(codes::W0502, expr.span, "this inertia has no effect")
+                    .label("the body keeps the orientation of the world")
+                    .help("name the `frame` that turns with the body, or leave the inertia out"),
+            );
+        }
         let com = match self.field(rigid, "com") {
             Some(expr) => {
                 let value = self.eval(expr);
@@ -172,6 +181,11 @@ impl<'a> Resolver<'a> {
                 return None;
             }
         };
+        for i in 0..3 {
+            if !self.not_negative(matrix[i][i], true, expr.span, "a moment of inertia") {
+                return None;
+            }
+        }
         for entry in matrix.iter().flatten() {
             if !self.demand(*entry, Dimension::INERTIA, expr.span, "an inertia") {
                 return None;
@@ -224,6 +238,9 @@ impl<'a> Resolver<'a> {
             "the acceleration of gravity",
             Dimension::ACCELERATION,
         );
+        let value = value.filter(|v| {
+            self.not_negative(*v, true, acceleration.span, "the acceleration of gravity")
+        });
         if let Some(first) = &self.gravity {
             let diagnostic = Diagnostic::error(codes::E0506, span, "gravity is declared twice")
                 .also(first.span, "first here");
@@ -309,7 +326,9 @@ impl<'a> Resolver<'a> {
         let mut sizes = Vec::with_capacity(3);
         for expr in &geometry.arguments {
             sizes.push(
-                self.constant_quantity(expr, "a size of a solid", Dimension::LENGTH).map(|s| s.id),
+                self.constant_quantity(expr, "a size of a solid", Dimension::LENGTH)
+                    .filter(|s| self.not_negative(*s, true, expr.span, "a size of a solid"))
+                    .map(|s| s.id),
             );
         }
         let sizes: Vec<ExprId> = sizes.into_iter().collect::<Option<_>>()?;

@@ -102,6 +102,27 @@ impl<'a> Resolver<'a> {
         None
     }
 
+    /// Reports a constant that is negative at the model's own values, or zero where that is too little.
+    pub(super) fn not_negative(
+        &mut self,
+        scalar: Scalar,
+        zero_allowed: bool,
+        span: Span,
+        what: &str,
+    ) -> bool {
+        let Some(value) = self.number(scalar.id) else { return true };
+        if value > 0.0 || (zero_allowed && value == 0.0) {
+            return true;
+        }
+        let wanted = if zero_allowed { "negative" } else { "zero or negative" };
+        self.sink.push(
+            Diagnostic::error(codes::E0514, span, format!("{what} cannot be {wanted}"))
+                .label(format!("{value} in SI units at the model's own values"))
+                .help("correct the value, or a sign"),
+        );
+        false
+    }
+
     /// Reports a dependence on rates where only positions make sense.
     pub(super) fn no_rates(&mut self, depends_on_rates: bool, span: Span, what: &str) -> bool {
         if depends_on_rates {

@@ -314,11 +314,11 @@ impl<'a> Resolver<'a> {
             }
         }
         let (x, y) = (self.number(left.id)?, self.number(right.id)?);
-        let holds = match comparison {
-            Comparison::Less => x < y,
-            Comparison::LessOrEqual => x <= y,
-            Comparison::Greater => x > y,
-            Comparison::GreaterOrEqual => x >= y,
+        let (holds, sign) = match comparison {
+            Comparison::Less => (x < y, "<"),
+            Comparison::LessOrEqual => (x <= y, "<="),
+            Comparison::Greater => (x > y, ">"),
+            Comparison::GreaterOrEqual => (x >= y, ">="),
         };
         if !holds {
             self.sink.push(
@@ -327,9 +327,7 @@ impl<'a> Resolver<'a> {
                     span,
                     "the model's own values break this requirement",
                 )
-                .label("does not hold")
-                .also(a.span, format!("{x} in SI units"))
-                .also(b.span, format!("{y} in SI units"))
+                .label(format!("{x} {sign} {y} does not hold (in SI units)"))
                 .help("correct a parameter, or the requirement"),
             );
             return None;

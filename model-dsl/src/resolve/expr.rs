@@ -185,13 +185,22 @@ impl<'a> Resolver<'a> {
             }
             _ => self.eval(base),
         };
-        for postfix in rest {
-            match postfix {
-                Postfix::Member(name) => {
+        while let Some(postfix) = rest.next() {
+            match (postfix, rest.clone().next()) {
+                // `left.p[2]`: a declaration with an index inside an instance.
+                (Postfix::Member(name), Some(Postfix::Index(index)))
+                    if is_indexed(self, &value, name) =>
+                {
+                    rest.next();
+                    let Some(i) = self.whole(index, "an index") else { return Value::Poison };
+                    value = self.indexed_member(&value, name, i);
+                    span = span.to(index.span);
+                }
+                (Postfix::Member(name), _) => {
                     value = self.member(value, name, span);
                     span = span.to(name.span);
                 }
-                Postfix::Index(index) => {
+                (Postfix::Index(index), _) => {
                     let Some(i) = self.whole(index, "an index") else { return Value::Poison };
                     let name = Name { text: i.to_string(), span: index.span };
                     value = self.member(value, &name, span);
@@ -200,6 +209,18 @@ impl<'a> Resolver<'a> {
             }
         }
         value
+    }
+
+    fn indexed_member(&mut self, value: &Value<'a>, name: &Name, i: i64) -> Value<'a> {
+        let Value::Instance(instance) = value else { return Value::Poison };
+        let names = &self.scopes[instance.scope].names;
+        if let Some(binding) = names.get(&(name.text.clone(), Some(i))) {
+            return binding.value.clone();
+        }
+        let known: Vec<String> = names.keys().map(plain_path).collect();
+        let shown = Name { text: format!("{}[{i}]", name.text), span: name.span };
+        self.no_member(value, &shown, &known);
+        Value::Poison
     }
 
     /// `name[i]`: a declaration with an index, or an entry of a vector.
@@ -385,4 +406,11 @@ fn entry(text: &str) -> Option<(usize, usize)> {
         [a, b] => Some((axis(*a)?, axis(*b)?)),
         _ => None,
     }
+}
+
+/// Whether an instance declares the name with indices only.
+fn is_indexed(resolver: &Resolver<'_>, value: &Value<'_>, name: &Name) -> bool {
+    let Value::Instance(instance) = value else { return false };
+    let names = &resolver.scopes[instance.scope].names;
+    !names.contains_key(&(name.text.clone(), None))
 }

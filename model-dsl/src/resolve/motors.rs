@@ -119,6 +119,9 @@ impl<'a> Resolver<'a> {
                     else {
                         return;
                     };
+                    if !self.not_negative(limit, false, expr.span, "the limit of a motor") {
+                        return;
+                    }
                     Some(limit.id)
                 }
             };
