@@ -135,6 +135,7 @@ fn runaway_repetitions_are_stopped() {
         "let a[0] = 2; repeat i in 1..=100 { let a[i] = a[i-1]*a[i-1]; }",
         "component A(a: m) { b = B(a); } component B(a: m) { c = A(a); } d = A(x);",
         "let y = 9^999^999; let z = 2^(1/0);",
+        "shape p[1..=999]: rad; repeat i in 1..=19000 { let a[i] = p; }",
     ] {
         let started = Instant::now();
         check(&cart(statement));
@@ -150,6 +151,24 @@ fn spans_outside_of_the_text_are_moved_into_it() {
     }
     for text in ["", "é", "robot\n", "\r\n\r\n"] {
         let _ = render(&parsed.diagnostics, "span.robot", text, false);
+    }
+}
+
+#[test]
+fn repetitions_do_not_multiply_long_things() {
+    let many = |body: &str| cart(&format!("repeat i in 1..=19000 {{ {body} }}"));
+    let sum = |n: usize| format!("x{}", " + x".repeat(n));
+    let vectors = |n: usize| format!("[x, 0, 0]{}", " + world*[x, 0, 0]".repeat(n));
+    for text in [
+        many(&format!("/// {}\nrigid b[i] {{ mass: m, com: [x, 0, 0] }}", "long ".repeat(200_000))),
+        many(&format!("let a{}[i] = x;", "b".repeat(1 << 20))),
+        many(&format!("let a[i] = {};", sum(20_000))),
+        cart(&format!("let a = sum(i in 1..=19000, {});", sum(20_000))),
+        cart(&format!("let v = {}; repeat i in 1..=19000 {{ let a[i] = v + v; }}", vectors(900))),
+    ] {
+        let started = Instant::now();
+        check(&text);
+        assert!(started.elapsed() < Duration::from_secs(20), "{}", &text[..200]);
     }
 }
 

@@ -12,6 +12,9 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use std::str::FromStr;
 use unicode_normalization::UnicodeNormalization;
 
+/// Longest name.
+const LONGEST_NAME: usize = 120;
+
 /// What a token is.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Kind {
@@ -150,6 +153,11 @@ impl Flattener<'_> {
                 codes::E0008,
                 span,
                 "raw identifiers are not part of the language",
+            ),
+            Ok(name) if name.len() > LONGEST_NAME => Diagnostic::error(
+                codes::E0008,
+                span,
+                format!("a name has at most {LONGEST_NAME} characters"),
             ),
             Ok(name) => return Kind::Ident(name),
             Err(c) => {

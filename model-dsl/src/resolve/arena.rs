@@ -11,6 +11,9 @@ pub(crate) const MAX_NODES: usize = 100_000;
 /// Longest chain of operations, so that a reader of the model may recurse.
 const MAX_DEPTH: u32 = 2_000;
 
+/// Most entries of copied lists.
+const MAX_COPIES: usize = 4_000_000;
+
 /// What an expression depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Depends {
@@ -54,6 +57,8 @@ pub(crate) struct Arena {
     info: Vec<Info>,
     vector_info: Vec<Info>,
     frame_info: Vec<Info>,
+    /// Copies made of lists and texts, in entries.
+    copies: usize,
     /// Where a limit was exceeded.
     pub(crate) overflow: Option<(Span, &'static str)>,
 }
@@ -89,6 +94,15 @@ impl Arena {
         }
         info.depth += 1;
         self.frame_info.push(info);
+    }
+
+    /// Accounts for a copy of a list or a text, which repetitions multiply.
+    pub(crate) fn charge(&mut self, entries: usize, span: Span) {
+        self.copies = self.copies.saturating_add(entries);
+        if self.copies > MAX_COPIES && self.overflow.is_none() {
+            self.overflow =
+                Some((span, "repetitions multiply long vectors or texts beyond reason"));
+        }
     }
 
     fn check(&mut self, depth: u32, span: Span) {

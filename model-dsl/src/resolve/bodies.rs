@@ -108,13 +108,14 @@ impl<'a> Resolver<'a> {
         };
         let (mass, frame, inertia, (position, com)) = (mass?, frame?, inertia?, com?);
         self.claim("rigid bodies", &identifier(&path), head);
+        let docs = self.copy_of(docs, span);
         self.bodies.push(RigidBody {
             name: path,
             mass: mass.id,
             inertia,
             frame,
             com: position,
-            docs: docs.to_owned(),
+            docs,
             span,
         });
         Some(Body { mass, com, frame })
@@ -219,7 +220,8 @@ impl<'a> Resolver<'a> {
             Some((position, vector)) => {
                 let path = self.path(&key);
                 self.claim("points", &identifier(&path), name.name.span);
-                self.points.push(Point { name: path, position, docs: docs.to_owned(), span });
+                let docs = self.copy_of(docs, span);
+                self.points.push(Point { name: path, position, docs, span });
                 Value::Vector(vector)
             }
             None => Value::Poison,

@@ -58,11 +58,12 @@ impl<'a> Resolver<'a> {
         let path = self.path(&declared.key);
         let set = self.sets.len();
         self.claim("coordinate vectors", &identifier(&path), span);
+        let docs = self.copy_of(docs, span);
         self.sets.push(CoordinateSet {
             name: identifier(&path),
             role,
             coordinates: Vec::new(),
-            docs: docs.to_owned(),
+            docs,
             span,
         });
         let add = |resolver: &mut Self, path: String| {

@@ -23,6 +23,9 @@ pub(super) struct Part<'a> {
 impl<'a> Resolver<'a> {
     pub(super) fn eval(&mut self, expr: &'a ast::Expr) -> Value<'a> {
         let span = expr.span;
+        if self.arena.overflow.is_some() {
+            return Value::Poison;
+        }
         match &expr.kind {
             ExprKind::Error => Value::Poison,
             ExprKind::Number(value) => self.literal(value.clone(), span),

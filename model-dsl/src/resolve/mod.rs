@@ -177,7 +177,14 @@ impl<'a> Resolver<'a> {
     fn statement(&mut self, statement: &'a Statement) {
         let (docs, span) = (statement.docs.as_str(), statement.span);
         match &statement.kind {
-            StatementKind::Params(_) => self.only_in_robot("params", span),
+            StatementKind::Params(list) => {
+                self.only_in_robot("params", span);
+                if self.level() != Level::Robot {
+                    for p in list {
+                        self.bind((p.name.text.clone(), None), Value::Poison, p.name.span);
+                    }
+                }
+            }
             StatementKind::Component(_) => self.only_in_robot("component", span),
             StatementKind::Coordinates(coordinates) => self.coordinates(coordinates, docs),
             StatementKind::Let(name, expr) => {

@@ -25,7 +25,7 @@ impl<'a> Resolver<'a> {
             self.not_energy(expr.span, what, is_power, found);
             return;
         }
-        let term = EnergyTerm { expr: scalar.id, docs: docs.to_owned(), span };
+        let term = EnergyTerm { expr: scalar.id, docs: self.copy_of(docs, span), span };
         match kind {
             Energy::Kinetic => self.kinetic.push(term),
             Energy::Potential => self.potential.push(term),
@@ -89,6 +89,9 @@ impl<'a> Resolver<'a> {
 
     pub(super) fn actuator(&mut self, actuator: &'a ast::Actuator, docs: &str, span: Span) {
         let declared = self.declarator(&actuator.name);
+        if self.is_reserved(&actuator.name.name.text, actuator.name.name.span) {
+            return;
+        }
         let moved = self.displacement(&actuator.on, "a motor");
         let (Some(declared), Some(moved)) = (declared, moved) else {
             if let Some(limit) = &actuator.limit {
@@ -127,12 +130,13 @@ impl<'a> Resolver<'a> {
             };
             let name = identifier(path);
             self.claim("quantities", &name, actuator.name.span);
+            let docs = self.copy_of(docs, span);
             self.actuators.push(model::Actuator {
                 name,
                 displacement: scalar.id,
                 limit,
                 unit,
-                docs: docs.to_owned(),
+                docs,
                 span,
             });
         }

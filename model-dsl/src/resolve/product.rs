@@ -205,6 +205,7 @@ impl<'a> Resolver<'a> {
         }
         let terms = list.iter().map(|v| v.terms.clone()).collect::<Option<Vec<_>>>();
         let terms = terms.map(|t| Rc::new(t.iter().flat_map(|t| t.iter().cloned()).collect()));
+        self.arena.charge(terms.as_ref().map_or(0, |t: &Rc<Vec<_>>| t.len()), span);
         let id = self.arena.push_vector(Vector::Sum(list.iter().map(|v| v.id).collect()), span);
         Value::Vector(super::value::Geometric { id, dimension: known.map(|k| k.0), terms })
     }

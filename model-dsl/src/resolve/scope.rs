@@ -84,12 +84,17 @@ impl<'a> Resolver<'a> {
         Some((name.name.text.clone(), index))
     }
 
+    /// A text for the model; repetitions must not multiply it without bounds.
+    pub(crate) fn copy_of(&mut self, text: &str, span: Span) -> String {
+        self.arena.charge(text.len() / 8, span);
+        text.to_owned()
+    }
+
     pub(crate) fn bind(&mut self, key: Key, value: Value<'a>, span: Span) {
-        if BUILTIN.contains(&key.0.as_str())
-            || RUST.contains(&key.0.as_str())
-            || is_statement(&key.0)
-        {
-            self.reserved(&key.0, span);
+        if let Value::Array(array) = &value {
+            self.arena.charge(array.entries.len(), span);
+        }
+        if self.is_reserved(&key.0, span) {
             return;
         }
         let scope = if key.1.is_some() { self.block_scope() } else { self.scope };
@@ -105,17 +110,21 @@ impl<'a> Resolver<'a> {
         self.scopes[scope].names.insert(key, Binding { value, span });
     }
 
-    fn reserved(&mut self, name: &str, span: Span) {
+    /// Reports a name that means something already.
+    pub(crate) fn is_reserved(&mut self, name: &str, span: Span) -> bool {
         let why = if RUST.contains(&name) {
             "a word of Rust, where the names end up"
-        } else {
+        } else if BUILTIN.contains(&name) || is_statement(name) {
             "a word of the language"
+        } else {
+            return false;
         };
         self.sink.push(
             Diagnostic::error(codes::E0205, span, format!("`{name}` cannot be used as a name"))
                 .label(why)
                 .help(format!("add something to it, such as `{}_1`", name.trim_end_matches('_'))),
         );
+        true
     }
 
     /// Finds a name in this scope or one around it.
