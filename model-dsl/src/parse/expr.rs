@@ -143,7 +143,10 @@ impl Parser<'_> {
 
     fn derivative(&mut self, start: Span) -> Parse<Expr> {
         if *self.peek_at(1) == Kind::Punct('^') {
-            let span = start.to(self.tokens[self.at + 4].span);
+            // `d^2/dt^2`, or what of it is there.
+            let last = if *self.peek_at(5) == Kind::Punct('^') { 6 } else { 4 };
+            let last = (self.at + last).min(self.tokens.len() - 1);
+            let span = start.to(self.tokens[last].span);
             self.sink.push(
                 Diagnostic::error(codes::E0108, span, "a Lagrangian holds no second time derivatives")
                     .label("second derivative")

@@ -183,6 +183,12 @@ impl Parser<'_> {
         if self.is_puncts("==") || (self.is_punct('=') && self.before_is('=')) {
             return Some("a definition is written with one `=`".to_owned());
         }
+        if self.is_puncts("..") {
+            return Some("a range stands behind `in`, as in `in -90deg..90deg`".to_owned());
+        }
+        if self.is_punct('.') && matches!(self.peek_at(1), Kind::Number(_)) {
+            return Some("write the zero before the point, as in `0.5`".to_owned());
+        }
         if self.is_puncts("**") || (self.is_punct('*') && self.before_is('*')) {
             return Some("a power is written `x^2`".to_owned());
         }

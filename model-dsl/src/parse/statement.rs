@@ -235,7 +235,7 @@ impl Parser<'_> {
             self.punct(':', "after the name of the field")?;
             fields.push((field, self.expr()?));
             if !self.eat_punct(',') && !self.eat_punct(';') && *self.peek() != Kind::Close('}') {
-                return Err(self.expected("`,` or `}` after the value of the field"));
+                return Err(self.expected("`,` or `}` behind the field"));
             }
         }
         self.close('}', "after the fields")?;

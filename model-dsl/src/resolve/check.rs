@@ -63,17 +63,30 @@ impl<'a> Resolver<'a> {
         span: Span,
         what: &str,
     ) -> bool {
-        let Some(found) = scalar.dimension.filter(|d| *d != wanted) else { return true };
+        let number = self.arena.as_number(scalar.id).map(crate::units::decimal);
+        self.demand_dimension(scalar.dimension, wanted, number, span, what)
+    }
+
+    /// The same for anything with a dimension; `number` is its value if it is a plain literal.
+    pub(super) fn demand_dimension(
+        &mut self,
+        dimension: Option<Dimension>,
+        wanted: Dimension,
+        number: Option<String>,
+        span: Span,
+        what: &str,
+    ) -> bool {
+        let Some(found) = dimension.filter(|d| *d != wanted) else { return true };
         let mut diagnostic =
             Diagnostic::error(codes::E0304, span, format!("{what} has the wrong dimension"))
                 .label(format!("expected {}, found {}", wanted.describe(), found.describe()));
-        if let Some(ratio) = wanted.over(found).filter(|r| !r.is_none()) {
-            diagnostic = diagnostic.help(match ratio.quantity() {
-                Some(name) => {
-                    format!("a factor is missing whose dimension is {} ({name})", ratio.si())
-                }
-                None => format!("a factor is missing whose dimension is {}", ratio.si()),
-            });
+        if let Some(number) = number.filter(|_| found.is_none()) {
+            diagnostic = diagnostic
+                .help(format!("give the number its unit: `{number}*{}`", wanted.unit_text()));
+        } else if let Some(ratio) = wanted.over(found).filter(|r| !r.is_none()) {
+            let name = ratio.quantity().map_or(String::new(), |q| format!(" ({q})"));
+            diagnostic = diagnostic
+                .help(format!("a factor is missing whose dimension is {}{name}", ratio.si()));
         }
         self.sink.push(diagnostic);
         false

@@ -197,8 +197,7 @@ impl<'a> Resolver<'a> {
     ) -> Value<'a> {
         match value {
             Value::Vector(v) if labels.len() == 3 => {
-                let probe = Scalar { id: model::ExprId(0), dimension: v.dimension };
-                if self.demand(probe, wanted, span, what) {
+                if self.demand_dimension(v.dimension, wanted, None, span, what) {
                     Value::Vector(v)
                 } else {
                     Value::Poison

@@ -269,9 +269,7 @@ impl<'a> Resolver<'a> {
         what: &str,
     ) -> Option<(Position, Geometric)> {
         let vector = self.as_vector(value, span)?;
-        let probe = ExprId(0);
-        let scalar = Scalar { id: probe, dimension: vector.dimension };
-        if !self.demand(scalar, Dimension::LENGTH, span, what) {
+        if !self.demand_dimension(vector.dimension, Dimension::LENGTH, None, span, what) {
             return None;
         }
         let Some(terms) = vector.terms.clone() else {
