@@ -23,7 +23,8 @@ pub(super) fn description(emission: &Emission<'_>, symbols: &SymbolNames) -> Ite
     let (actuators, parameters) = (actuators(model), parameters(model, symbols));
     let (outputs, output_unit) = output(model, symbols);
     let frames = model.frames.iter().map(|frame| frame.name.as_str());
-    let points: Vec<String> = crate::derive::points(model).into_iter().map(|(name, _)| name).collect();
+    let points: Vec<String> =
+        crate::derive::points(model).into_iter().map(|(name, _)| name).collect();
     let (geometry, friction) = (geometry(model, points.len()), friction(model));
     syn::parse_quote! {
         /// Names, units, ranges, actuators, shape sets, points and geometry.
@@ -48,7 +49,8 @@ pub(super) fn description(emission: &Emission<'_>, symbols: &SymbolNames) -> Ite
 /// Which coordinates an actuator works on: the rows of B that are not zero.
 pub(super) fn actuated(model: &Model, functions: &BTreeMap<Quantity, Function>) -> Vec<bool> {
     let mut list = vec![false; model.coordinates.len()];
-    let columns = (0..model.actuators.len()).filter_map(|k| functions.get(&Quantity::InputColumn(k)));
+    let columns =
+        (0..model.actuators.len()).filter_map(|k| functions.get(&Quantity::InputColumn(k)));
     for function in columns {
         for (flag, id) in list.iter_mut().zip(function.results()) {
             *flag |= !function.graph.is_zero(id);
@@ -108,7 +110,8 @@ fn shape_sets(model: &Model, actuated: &[bool]) -> Vec<TokenStream> {
 fn actuators(model: &Model) -> Vec<TokenStream> {
     let entry = |actuator: &shapebot_model_dsl::model::Actuator| {
         let (name, unit) = (identifier(&actuator.name), &actuator.unit.text);
-        let limit = bound(actuator.limit.map(|id| constants::value(model, id)), &quote!(f64::INFINITY));
+        let limit =
+            bound(actuator.limit.map(|id| constants::value(model, id)), &quote!(f64::INFINITY));
         quote!(::shapebot_dynamics::Actuator { name: #name, unit: #unit, limit: #limit })
     };
     model.actuators.iter().map(entry).collect()
@@ -173,7 +176,8 @@ fn geometry(model: &Model, points: usize) -> Vec<TokenStream> {
 fn friction(model: &Model) -> Vec<TokenStream> {
     let entry = |friction: &shapebot_model_dsl::model::CoulombFriction| {
         let level = signed_number(constants::value(model, friction.level));
-        let weights = constants::slopes(model, friction.displacement).into_iter().map(signed_number);
+        let weights =
+            constants::slopes(model, friction.displacement).into_iter().map(signed_number);
         quote!(::shapebot_dynamics::CoulombFriction { level: #level, weights: &[#(#weights),*] })
     };
     model.friction.iter().map(entry).collect()
@@ -239,7 +243,8 @@ fn parameter_rows(model: &Model, symbols: &SymbolNames) -> Vec<Row> {
 
 fn actuator_rows(model: &Model) -> Vec<Row> {
     let row = |a: &shapebot_model_dsl::model::Actuator| {
-        let limit = a.limit.map_or_else(|| "—".to_owned(), |id| format!("{}", constants::value(model, id)));
+        let limit =
+            a.limit.map_or_else(|| "—".to_owned(), |id| format!("{}", constants::value(model, id)));
         Row::from([
             ("name", identifier(&a.name)),
             ("unit", unit(&a.unit.text)),
@@ -250,13 +255,18 @@ fn actuator_rows(model: &Model) -> Vec<Row> {
     model.actuators.iter().map(row).collect()
 }
 
-fn function_rows(functions: &BTreeMap<Quantity, Function>, baked: Option<&BTreeMap<Quantity, Function>>) -> Vec<Row> {
+fn function_rows(
+    functions: &BTreeMap<Quantity, Function>,
+    baked: Option<&BTreeMap<Quantity, Function>>,
+) -> Vec<Row> {
     let listed = super::methods::LAGRANGIAN.iter().chain(super::methods::SHAPE);
     let row = |method: &super::methods::Method| {
         let function = functions.get(&method.quantity)?;
         let count = function.operations;
         let other = baked.and_then(|baked| baked.get(&method.quantity)).map(|f| f.operations);
-        let other = other.map_or(String::new(), |o| format!("{} | {} | {} | ", o.additions, o.multiplications, o.divisions));
+        let other = other.map_or(String::new(), |o| {
+            format!("{} | {} | {} | ", o.additions, o.multiplications, o.divisions)
+        });
         Some(Row::from([
             ("name", method.name.to_owned()),
             ("method", docs::cell(function.method)),

@@ -80,7 +80,8 @@ pub(crate) fn collection(modules: &[crate::build::Module]) -> String {
         ])
     };
     let mut context = tera::Context::new();
-    let robots: Vec<_> = modules.iter().filter(|module| module.shape_accelerated).map(row).collect();
+    let robots: Vec<_> =
+        modules.iter().filter(|module| module.shape_accelerated).map(row).collect();
     context.insert("version", env!("CARGO_PKG_VERSION"));
     context.insert("modules", &modules.iter().map(row).collect::<Vec<_>>());
     context.insert("robots", &robots);
@@ -112,13 +113,21 @@ pub fn emit(emission: &Emission<'_>) -> String {
     render("file.rs", include_str!("../../templates/file.rs.tera"), &context)
 }
 
-fn items(emission: &Emission<'_>, symbols: &SymbolNames, source: &dyn Fn(&str) -> Option<String>) -> Vec<Item> {
+fn items(
+    emission: &Emission<'_>,
+    symbols: &SymbolNames,
+    source: &dyn Fn(&str) -> Option<String>,
+) -> Vec<Item> {
     let Emission { model, functions, baked, .. } = *emission;
     let names = emitted_names(emission.stem, model);
     let hoisted = hoist::hoist(functions, symbols, &methods::stem);
     let mut items: Vec<Item> = vec![
-        syn::parse_quote!(use ::shapebot_dynamics::Real;),
-        syn::parse_quote!(use ::shapebot_dynamics::nalgebra::{ArrayStorage, SMatrix, SVector};),
+        syn::parse_quote!(
+            use ::shapebot_dynamics::Real;
+        ),
+        syn::parse_quote!(
+            use ::shapebot_dynamics::nalgebra::{ArrayStorage, SMatrix, SVector};
+        ),
         description::description(emission, symbols),
     ];
     items.extend(parameters::params(model, symbols));
@@ -142,7 +151,10 @@ fn items(emission: &Emission<'_>, symbols: &SymbolNames, source: &dyn Fn(&str) -
             #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
             pub struct #name;
         });
-        let given = functions.iter().map(|(&quantity, function)| (quantity, hoist::baked(function))).collect();
+        let given = functions
+            .iter()
+            .map(|(&quantity, function)| (quantity, hoist::baked(function)))
+            .collect();
         let variant = Variant {
             model,
             symbols,
@@ -261,7 +273,8 @@ fn with_comments(code: &str) -> String {
 
 /// The text of a statement that stands for a comment.
 fn comment_text(statement: &str) -> Option<String> {
-    let literal = statement.strip_prefix(syntax::COMMENT)?.strip_prefix("!(")?.strip_suffix(");")?;
+    let literal =
+        statement.strip_prefix(syntax::COMMENT)?.strip_prefix("!(")?.strip_suffix(");")?;
     syn::parse_str::<syn::LitStr>(literal).ok().map(|text| text.value())
 }
 
@@ -269,6 +282,7 @@ fn comment_text(statement: &str) -> Option<String> {
 /// compile.
 fn render(name: &'static str, template: &str, context: &tera::Context) -> String {
     let mut engine = tera::Tera::default();
-    let rendered = engine.add_raw_template(name, template).and_then(|()| engine.render(name, context));
+    let rendered =
+        engine.add_raw_template(name, template).and_then(|()| engine.render(name, context));
     rendered.unwrap_or_else(|error| format!("compile_error!({:?});", error.to_string()))
 }

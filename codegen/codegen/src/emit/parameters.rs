@@ -18,10 +18,15 @@ use syn::{Item, Stmt};
 /// `struct Params` with its constructor and validation.
 pub(super) fn params(model: &Model, symbols: &SymbolNames) -> Vec<Item> {
     let fields: Vec<Ident> = symbols.fields.iter().map(|name| ident(name)).collect();
-    let field_docs = model.parameters.iter().map(|parameter| docs::attributes(&parameter_docs(parameter)));
+    let field_docs =
+        model.parameters.iter().map(|parameter| docs::attributes(&parameter_docs(parameter)));
     let declared = field_docs.zip(&fields).map(|(docs, name)| quote!(#(#docs)* pub #name: T));
     let values = model.parameters.iter().map(|p| signed_number(p.value_f64));
-    let bundle = if fields.is_empty() { quote!(marker: ::core::marker::PhantomData<T>) } else { quote!(#(#declared),*) };
+    let bundle = if fields.is_empty() {
+        quote!(marker: ::core::marker::PhantomData<T>)
+    } else {
+        quote!(#(#declared),*)
+    };
     let made = if fields.is_empty() {
         quote!(Self { marker: ::core::marker::PhantomData })
     } else {
@@ -49,8 +54,15 @@ pub(super) fn params(model: &Model, symbols: &SymbolNames) -> Vec<Item> {
 
 fn parameter_docs(parameter: &Parameter) -> String {
     let meaning = docs::paragraph(&parameter.docs);
-    let range = parameter.range.map_or(String::new(), |range| format!(", {}", shown_range(range, &parameter.unit.text)));
-    let facts = format!("`{}`, {}{range}; the model has {}.", parameter.path, unit(&parameter.unit.text), parameter.value_f64);
+    let range = parameter
+        .range
+        .map_or(String::new(), |range| format!(", {}", shown_range(range, &parameter.unit.text)));
+    let facts = format!(
+        "`{}`, {}{range}; the model has {}.",
+        parameter.path,
+        unit(&parameter.unit.text),
+        parameter.value_f64
+    );
     if meaning.is_empty() { facts } else { format!("{meaning}\n\n{facts}") }
 }
 
@@ -107,7 +119,8 @@ fn requirements(model: &Model, symbols: &SymbolNames) -> Vec<Stmt> {
     let mut found = Vec::new();
     for required in &model.requirements {
         if let Requirement::Compare(left, comparison, right) = required.requirement
-            && let (Some(left), Some(right)) = (lower(model, &mut graph, left), lower(model, &mut graph, right))
+            && let (Some(left), Some(right)) =
+                (lower(model, &mut graph, left), lower(model, &mut graph, right))
         {
             let text = docs::one_line(model.text(required.span));
             found.push((left, comparison, right, text));
@@ -117,7 +130,8 @@ fn requirements(model: &Model, symbols: &SymbolNames) -> Vec<Stmt> {
         return Vec::new();
     }
     let root = |id| Root { id, name: "side".to_owned(), block: 0 };
-    let roots: Vec<Root> = found.iter().flat_map(|&(left, _, right, _)| [root(left), root(right)]).collect();
+    let roots: Vec<Root> =
+        found.iter().flat_map(|&(left, _, right, _)| [root(left), root(right)]).collect();
     let body = plain_body(&graph, &roots, symbols, false);
     let mut statements: Vec<Stmt> = Vec::new();
     if body.constants > 0 {
@@ -145,7 +159,10 @@ fn requirements(model: &Model, symbols: &SymbolNames) -> Vec<Stmt> {
     statements
 }
 
-fn used_parameters(used: &std::collections::BTreeSet<Symbol>, symbols: &SymbolNames) -> Vec<TokenStream> {
+fn used_parameters(
+    used: &std::collections::BTreeSet<Symbol>,
+    symbols: &SymbolNames,
+) -> Vec<TokenStream> {
     let parameters = used.iter().filter_map(|symbol| match symbol {
         Symbol::Parameter(i) => Some(field_pattern(symbols, *i as usize)),
         _ => None,
@@ -153,7 +170,12 @@ fn used_parameters(used: &std::collections::BTreeSet<Symbol>, symbols: &SymbolNa
     parameters.collect()
 }
 
-fn plain_body(graph: &Graph, roots: &[Root], symbols: &SymbolNames, named: bool) -> super::body::Body {
+fn plain_body(
+    graph: &Graph,
+    roots: &[Root],
+    symbols: &SymbolNames,
+    named: bool,
+) -> super::body::Body {
     let blocks = ["shared".to_owned()];
     body(&Request { graph, roots, blocks: &blocks, given: &[], symbols, named, source: &|_| None })
 }
@@ -181,7 +203,8 @@ fn lower(model: &Model, graph: &mut Graph, id: ExprId) -> Option<Id> {
             Some(graph.pow(base, exponent))
         }
         Expr::Call(function, arguments) => {
-            let arguments: Option<Vec<Id>> = arguments.iter().map(|&a| lower(model, graph, a)).collect();
+            let arguments: Option<Vec<Id>> =
+                arguments.iter().map(|&a| lower(model, graph, a)).collect();
             apply(graph, *function, &arguments?)
         }
         _ => None,
@@ -227,15 +250,20 @@ pub(super) fn signed_number(value: f64) -> syn::Expr {
 }
 
 /// The robot's type: parameters and what depends on them alone, computed once.
-pub(super) fn robot(type_name: &str, model: &Model, symbols: &SymbolNames, hoisted: &Hoisted) -> Vec<Item> {
+pub(super) fn robot(
+    type_name: &str,
+    model: &Model,
+    symbols: &SymbolNames,
+    hoisted: &Hoisted,
+) -> Vec<Item> {
     let name = ident(type_name);
     let fields: Vec<Ident> = hoisted.fields.iter().map(|root| ident(&root.name)).collect();
     let body = plain_body(&hoisted.graph, &hoisted.fields, symbols, true);
     let constant = (body.constants > 0).then(helper);
     let patterns = used_parameters(&body.used, symbols);
     let rest = (patterns.len() < symbols.fields.len()).then(|| quote!(..));
-    let taken: Option<Stmt> =
-        (!patterns.is_empty()).then(|| syn::parse_quote!(let Params { #(#patterns,)* #rest } = params;));
+    let taken: Option<Stmt> = (!patterns.is_empty())
+        .then(|| syn::parse_quote!(let Params { #(#patterns,)* #rest } = params;));
     let statements = &body.statements;
     let results = fields.iter().zip(&body.results).map(|(field, value)| match value {
         syn::Expr::Path(variable) if variable.path.is_ident(field) => quote!(#field),

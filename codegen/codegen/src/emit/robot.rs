@@ -73,9 +73,11 @@ impl Variant<'_> {
         let scalar = matches!(function.blocks.as_slice(), [block] if block.extents.is_empty());
         let body = self.body(function, !scalar);
         let (statements, used) = self.block(function, body, method.inputs);
-        let arguments = method.inputs.iter().map(|&input| self.argument(input, used.contains(&input)));
+        let arguments =
+            method.inputs.iter().map(|&input| self.argument(input, used.contains(&input)));
         let (name, output) = (ident(method.name), self.output_type(function));
-        let mut item: ImplItemFn = syn::parse_quote!(fn #name(&self, #(#arguments),*) -> #output {});
+        let mut item: ImplItemFn =
+            syn::parse_quote!(fn #name(&self, #(#arguments),*) -> #output {});
         item.attrs = docs::attributes(&self.method_docs(method.docs, function));
         item.block.stmts = statements;
         Some(ImplItem::Fn(item))
@@ -103,7 +105,11 @@ impl Variant<'_> {
             arms.push(syn::Arm { body: body.into(), ..arm });
         }
         let (name, otherwise) = (ident(method.name), ident(method.otherwise));
-        let index = ident(&if arms.is_empty() { format!("_{}", method.index) } else { method.index.to_owned() });
+        let index = ident(&if arms.is_empty() {
+            format!("_{}", method.index)
+        } else {
+            method.index.to_owned()
+        });
         let argument = self.argument(Input::Q, reads);
         let mut item: ImplItemFn = syn::parse_quote! {
             fn #name(&self, #argument, #index: usize) -> #output { SMatrix::#otherwise() }
@@ -181,7 +187,8 @@ impl Variant<'_> {
         });
         let patterns: Vec<TokenStream> = used.map(|i| field_pattern(self.symbols, i)).collect();
         let rest = (patterns.len() < self.symbols.fields.len()).then(|| quote!(..));
-        (!patterns.is_empty()).then(|| syn::parse_quote!(let Params { #(#patterns,)* #rest } = self.params;))
+        (!patterns.is_empty())
+            .then(|| syn::parse_quote!(let Params { #(#patterns,)* #rest } = self.params;))
     }
 
     /// `let [_, phi_x] = entries(q);`
@@ -215,7 +222,8 @@ impl Variant<'_> {
             Quantity::Response => quote!(::shapebot_dynamics::Response),
             _ => quote!(::shapebot_dynamics::Motion),
         };
-        let (names, values): (Vec<syn::Ident>, Vec<Expr>) = values.into_iter().map(|(name, value)| (ident(name), value)).unzip();
+        let (names, values): (Vec<syn::Ident>, Vec<Expr>) =
+            values.into_iter().map(|(name, value)| (ident(name), value)).unzip();
         let mut literal: syn::ExprStruct = syn::parse_quote!(#bundle { #(#names: x),* });
         for (field, value) in literal.fields.iter_mut().zip(values) {
             field.expr = value;
@@ -250,9 +258,13 @@ impl Variant<'_> {
 
     fn method_docs(&self, text: &str, function: &Function) -> String {
         let other = self.other.and_then(|functions| functions.get(&function.quantity));
-        let (runtime, baked) = if self.runtime { (Some(function), other) } else { (other, Some(function)) };
-        let mut lines = vec![text.to_owned(), String::new(), format!("Derived by: {}.", function.method)];
-        let count = |title: &str, function: &Function| format!("\n{title}: {}.", operations(&function.operations));
+        let (runtime, baked) =
+            if self.runtime { (Some(function), other) } else { (other, Some(function)) };
+        let mut lines =
+            vec![text.to_owned(), String::new(), format!("Derived by: {}.", function.method)];
+        let count = |title: &str, function: &Function| {
+            format!("\n{title}: {}.", operations(&function.operations))
+        };
         lines.extend(runtime.map(|function| count("Operations, parameters at run time", function)));
         lines.extend(baked.map(|function| count("Operations, parameters baked", function)));
         lines.join("\n")
@@ -280,8 +292,9 @@ fn operations(count: &Operations) -> String {
         (count.functions, "other function", false),
     ];
     let shown = parts.into_iter().filter(|&(number, _, always)| always || number > 0);
-    let texts: Vec<String> =
-        shown.map(|(number, name, _)| format!("{number} {name}{}", if number == 1 { "" } else { "s" })).collect();
+    let texts: Vec<String> = shown
+        .map(|(number, name, _)| format!("{number} {name}{}", if number == 1 { "" } else { "s" }))
+        .collect();
     texts.join(", ")
 }
 
@@ -305,12 +318,16 @@ fn assembled(extents: &[usize], entries: Vec<Option<Expr>>, zeros: &mut usize) -
     }
     match *extents {
         [] => entries.into_iter().flatten().next().unwrap_or_else(zero),
-        [_] => syntax::call("vector", syntax::array(entries.into_iter().map(|entry| entry.unwrap_or_else(zero)))),
+        [_] => syntax::call(
+            "vector",
+            syntax::array(entries.into_iter().map(|entry| entry.unwrap_or_else(zero))),
+        ),
         [rows, columns] => {
             // nalgebra stores columns.
             let mut entries = entries;
-            let mut entry =
-                |row, column| entries.get_mut(row * columns + column).and_then(Option::take).unwrap_or_else(zero);
+            let mut entry = |row, column| {
+                entries.get_mut(row * columns + column).and_then(Option::take).unwrap_or_else(zero)
+            };
             let mut list = |j| syntax::array((0..rows).map(|i| entry(i, j)).collect::<Vec<_>>());
             syntax::call("columns", syntax::array((0..columns).map(&mut list).collect::<Vec<_>>()))
         }
