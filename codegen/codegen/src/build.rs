@@ -223,7 +223,8 @@ fn dimensions(model: &Model) -> [usize; 3] {
 }
 
 fn documentation(derivation: &Derivation) -> Documentation {
-    Documentation { equations: String::new(), certificate: derivation.certificate.to_text() }
+    let equations = crate::equations::to_text(derivation);
+    Documentation { equations, certificate: derivation.certificate.to_text() }
 }
 
 fn rendered(diagnostics: &[Diagnostic], name: &str, text: &str) -> String {
