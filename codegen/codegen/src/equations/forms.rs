@@ -71,7 +71,7 @@ impl Forms {
             forms.place.insert(id, forms.atoms.len());
             forms.atoms.push(atom);
         }
-        forms.ring.cosine_of = forms.atoms.iter().map(|&atom| forms.partner(atom)).collect();
+        forms.ring = Ring::new(forms.atoms.iter().map(|&atom| forms.partner(atom)).collect());
         forms
     }
 

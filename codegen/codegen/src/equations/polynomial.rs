@@ -3,6 +3,7 @@
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 /// Exponents of all atoms. The order is lexicographic: the first atom weighs most.
@@ -18,20 +19,29 @@ pub(super) struct Polynomial {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ring {
     pub(super) cosine_of: Vec<Option<usize>>,
+    /// Products of terms so far: large models run out of [`WORK`] before they run out of time.
+    work: Cell<usize>,
 }
 
 /// More terms than this are not worked with.
 pub(super) const LARGEST: usize = 120;
+/// Products of terms in all.
+const WORK: usize = 200_000;
 /// Greatest common divisors are sought only between polynomials of at most this many terms.
-const DIVISOR_TERMS: usize = 60;
+const DIVISOR_TERMS: usize = 40;
 /// The largest exponent.
 const HIGHEST: u8 = 60;
 
-/// A polynomial grew beyond [`LARGEST`].
+/// A polynomial grew beyond [`LARGEST`], or all of them together beyond [`WORK`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TooLarge;
 
 impl Ring {
+    /// In which some atoms are sines, with their cosines.
+    pub(super) fn new(cosine_of: Vec<Option<usize>>) -> Self {
+        Self { cosine_of, work: Cell::new(0) }
+    }
+
     /// Number of atoms.
     pub(super) fn len(&self) -> usize {
         self.cosine_of.len()
@@ -57,6 +67,11 @@ impl Ring {
 
     /// Product, with squares of sines replaced.
     pub(super) fn mul(&self, a: &Polynomial, b: &Polynomial) -> Result<Polynomial, TooLarge> {
+        let products = a.terms.len() * b.terms.len();
+        self.work.set(self.work.get() + products);
+        if products > 4 * LARGEST || self.work.get() > WORK {
+            return Err(TooLarge);
+        }
         let mut out = Polynomial::default();
         for (ma, ca) in &a.terms {
             for (mb, cb) in &b.terms {
@@ -65,9 +80,6 @@ impl Ring {
                     return Err(TooLarge);
                 }
                 self.insert_reduced(&mut out, monomial, ca * cb);
-            }
-            if out.terms.len() > 4 * LARGEST {
-                return Err(TooLarge);
             }
         }
         if out.terms.len() > LARGEST { Err(TooLarge) } else { Ok(out) }
@@ -300,7 +312,7 @@ mod tests {
 
     fn ring() -> Ring {
         // x, y, sin, cos.
-        Ring { cosine_of: vec![None, None, Some(3), None] }
+        Ring::new(vec![None, None, Some(3), None])
     }
 
     #[test]

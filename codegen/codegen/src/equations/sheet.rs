@@ -59,11 +59,12 @@ impl Sheet {
     pub(super) fn new(model: &Model, equations: &Equations, certificate: &Certificate) -> Self {
         let mut graph = equations.graph.clone();
         let wanted = certificate.shape_map.is_some().then(|| wanted(&mut graph, equations));
-        let mut ids: Vec<Id> = equations.mass.concat();
-        ids.extend(&equations.bias);
-        ids.extend(&equations.gravity);
+        // What matters most comes first: large models run out of work for normal forms.
+        let mut ids: Vec<Id> = vec![equations.potential];
         ids.extend(equations.input.iter().flatten());
-        ids.push(equations.potential);
+        ids.extend(&equations.gravity);
+        ids.extend(equations.mass.iter().flatten());
+        ids.extend(&equations.bias);
         if let Some(wanted) = &wanted {
             ids.extend(&wanted.static_map);
             ids.extend(wanted.coupling.iter().chain(&wanted.stiffness).flatten());
@@ -72,7 +73,7 @@ impl Sheet {
         let mut forms = Forms::new(model, graph, &all);
         let gains = wanted.as_ref().and_then(|w| gains(&mut forms, equations, certificate, w).ok());
         let (static_forms, gain, inverse_gain) = gains.unwrap_or_default();
-        let kinetic = forms.short(equations.kinetic).map(|form| forms.arrange(&form));
+        let kinetic = forms.kinetic(equations);
         if static_forms.is_some() {
             // Γ′ is printed already.
             ids.retain(|id| wanted.as_ref().is_none_or(|w| !w.static_map.contains(id)));
@@ -287,6 +288,18 @@ impl Forms {
                 Node::Mul(a, b) | Node::Div(a, b) => simple(a) && simple(b),
                 _ => false,
             }
+    }
+
+    /// T, if M is short enough for T to be so.
+    fn kinetic(&mut self, equations: &Equations) -> Option<Term> {
+        let mut size = 0;
+        for &entry in equations.mass.iter().flatten() {
+            size += self.of(entry).ok()?.size();
+            if size > 2 * READABLE {
+                return None;
+            }
+        }
+        self.short(equations.kinetic).map(|form| self.arrange(&form))
     }
 
     /// The normal form, if it is short and the graph confirms it.
