@@ -123,6 +123,7 @@ fn requirements(model: &Model, symbols: &SymbolNames) -> Vec<Stmt> {
                 (lower(model, &mut graph, left), lower(model, &mut graph, right))
         {
             let text = docs::one_line(model.text(required.span));
+            let text = text.trim_start_matches("require ").trim_end_matches(';').to_owned();
             found.push((left, comparison, right, text));
         }
     }
