@@ -164,6 +164,22 @@ fn a_plan_that_does_not_work_out_is_refused_and_a_senseless_task_is_misuse() {
 }
 
 #[test]
+fn a_model_outside_the_class_has_dynamics_but_no_plan() {
+    let here = folder();
+    let free = CARTPOLE
+        .replace("    actuator force on d/dt(x);\n", "")
+        .replace("    require shape_accelerated;\n", "");
+    std::fs::write(here.path().join("free.robot"), free).unwrap();
+    let run = shapebot(here.path(), &["eval", "free.robot"], "{\"q\":[0,0],\"qd\":[0,0]}\n").ok();
+    assert!(run.stdout.contains("\"qdd_fd\":[") && !run.stdout.contains("Gamma"));
+    shapebot(here.path(), &["eval", "free.robot", "--fields", "Gamma"], "")
+        .fails(2, "not shape-acc");
+    let plan = ["plan", "free.robot", "--line", "1", "--duration", "5"];
+    shapebot(here.path(), &plan, "").fails(1, "shapebot check free.robot");
+    shapebot(here.path(), &["check", "free.robot"], "").ok();
+}
+
+#[test]
 fn parameters_are_known_by_name_and_range() {
     let here = folder();
     let eval = |robot: &str, parameter: &str| {

@@ -104,7 +104,7 @@ fn bad_lines_are_named_and_good_ones_before_them_answered() {
         ("{\"q\":[0,NaN],\"qd\":[0,0],\"qdd\":[0,0]}", "line 3"),
         ("{\"q\":[0,null],\"qd\":[0,0],\"qdd\":[0,0]}", "line 3"),
         ("[0,0]", "line 3"),
-        ("hello", "line 3, column 1"),
+        ("hello", "line 3: column 1"),
         ("{\"q\":[0,0]", "line 3"),
     ] {
         // The second line is blank, and counts.
