@@ -93,9 +93,13 @@ fn spins(lowering: &mut Lowering<'_>, tree: &Tree, motion: &Motion) -> Vec<Spin>
     spins
 }
 
+/// Names the components of a vector, but for those of parameters alone: their own factors say more.
 pub(crate) fn label(graph: &mut Graph, v: Vec3, what: &str, of: &str) {
     for (component, axis) in v.into_iter().zip(["x", "y", "z"]) {
-        graph.label(component, format!("{what}_{of}_{axis}"));
+        let symbols = shapebot_symbolic::symbols_of(graph, &[component]);
+        if symbols.iter().any(|s| !matches!(s, Symbol::Parameter(_))) {
+            graph.label(component, format!("{what}_{of}_{axis}"));
+        }
     }
 }
 
