@@ -3,7 +3,7 @@
 
 use divan::{Bencher, black_box};
 use shapebot_dynamics::nalgebra::SVector;
-use shapebot_dynamics::{LagrangianSystem as _, Real, ShapeAccelerated as _};
+use shapebot_dynamics::{LagrangianSystem as _, Real, Robot, ShapeAccelerated as _};
 use shapebot_tests::states::states;
 
 fn main() {
@@ -58,7 +58,7 @@ macro_rules! robots {
             mod baked {
                 use crate::*;
                 use shapebot_generated::$module::{$baked, DESCRIPTION};
-                fn robot<T: Real>() -> $baked {
+                fn robot<T: Real>() -> impl Robot<T, $n, $nx, $ns> {
                     $baked
                 }
                 functions!(&DESCRIPTION, $n, $nx, $ns);

@@ -11,8 +11,7 @@ pub fn smallest_pivot<const N: usize>(matrix: &SMatrix<f64, N, N>) -> f64 {
     for k in 0..N {
         let pivot = work[(k, k)];
         smallest = smallest.min(pivot / matrix[(k, k)]);
-        // Written so that NaN counts as failure.
-        if !(pivot > 0.0) {
+        if pivot <= 0.0 || pivot.is_nan() {
             return f64::NEG_INFINITY;
         }
         for i in k + 1..N {

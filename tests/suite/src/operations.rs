@@ -54,8 +54,10 @@ pub type Methods = BTreeMap<String, Operations>;
 #[must_use]
 pub fn count(emitted: &str) -> BTreeMap<String, Methods> {
     let file = syn::parse_file(emitted).expect("emitted text is Rust");
+    let items: Vec<&Item> = file.items.iter().flat_map(contents).collect();
+    let helpers = helpers(&items);
     let mut counts: BTreeMap<String, Methods> = BTreeMap::new();
-    for item in file.items.iter().flat_map(contents) {
+    for item in items {
         let Item::Impl(block) = item else { continue };
         let Some((path, _)) = &block.trait_ else { continue };
         let ours = path.segments.first().is_some_and(|first| first.ident == "shapebot_dynamics");
@@ -66,14 +68,32 @@ pub fn count(emitted: &str) -> BTreeMap<String, Methods> {
         for method in &block.items {
             if let ImplItem::Fn(method) = method {
                 let name = method.sig.ident.to_string();
-                let mut counter = Counter::default();
-                let counted = counter.block(&method.block);
-                counted.unwrap_or_else(|what| panic!("{name} is no straight-line code: {what}"));
-                methods.insert(name, counter.0);
+                methods.insert(name.clone(), counted(&name, &method.block, &helpers));
             }
         }
     }
     counts
+}
+
+/// Names of the module's own functions, which only arrange numbers.
+fn helpers(items: &[&Item]) -> Vec<String> {
+    let mut names = Vec::new();
+    for item in items {
+        if let Item::Fn(function) = item {
+            let name = function.sig.ident.to_string();
+            let operations = counted(&name, &function.block, &[]);
+            assert_eq!(operations, Operations::default(), "{name} computes");
+            names.push(name);
+        }
+    }
+    names
+}
+
+fn counted(name: &str, block: &Block, helpers: &[String]) -> Operations {
+    let mut counter = Counter { operations: Operations::default(), helpers };
+    let counted = counter.block(block);
+    counted.unwrap_or_else(|what| panic!("{name} is no straight-line code: {what}"));
+    counter.operations
 }
 
 fn contents(item: &Item) -> Vec<&Item> {
@@ -92,13 +112,16 @@ fn type_name(ty: &syn::Type) -> String {
     }
 }
 
-#[derive(Default)]
-struct Counter(Operations);
+struct Counter<'a> {
+    operations: Operations,
+    /// Functions that may be called.
+    helpers: &'a [String],
+}
 
 /// Or what is no straight-line code.
 type Counted = Result<(), String>;
 
-impl Counter {
+impl Counter<'_> {
     fn block(&mut self, block: &Block) -> Counted {
         block.stmts.iter().try_for_each(|statement| match statement {
             Stmt::Local(local) => match &local.init {
@@ -151,9 +174,9 @@ impl Counter {
 
     fn operator(&mut self, operator: &BinOp) -> Counted {
         match operator {
-            BinOp::Add(_) | BinOp::Sub(_) => self.0.additions += 1,
-            BinOp::Mul(_) => self.0.multiplications += 1,
-            BinOp::Div(_) => self.0.divisions += 1,
+            BinOp::Add(_) | BinOp::Sub(_) => self.operations.additions += 1,
+            BinOp::Mul(_) => self.operations.multiplications += 1,
+            BinOp::Div(_) => self.operations.divisions += 1,
             _ => return Err("an operator".to_owned()),
         }
         Ok(())
@@ -169,9 +192,13 @@ impl Counter {
     /// A function of numbers, or one that only arranges them.
     fn function(&mut self, name: &str) -> Counted {
         match name {
-            "sin_cos" => self.0.angles += 1,
-            "sqrt" | "exp" | "ln" | "asin" | "acos" | "atan" | "atan2" => self.0.functions += 1,
-            "c" | "from_f64" | "vector" | "columns" | "zeros" | "identity" | "zero" | "one" => {}
+            "sin_cos" => self.operations.angles += 1,
+            "sqrt" | "exp" | "ln" | "asin" | "acos" | "atan" | "atan2" => {
+                self.operations.functions += 1
+            }
+            "c" | "from_f64" | "zeros" | "identity" | "zero" | "one" => {}
+            "from_array_storage" | "ArrayStorage" => {}
+            helper if self.helpers.iter().any(|name| name == helper) => {}
             other => return Err(format!("a call of `{other}`")),
         }
         Ok(())
@@ -201,6 +228,9 @@ mod tests {
                     }
                 }
                 impl<T> Robot<T> { fn new() -> T { a + b } }
+                fn vector<T>(entries: [T; 2]) -> V<T> {
+                    SMatrix::from_array_storage(ArrayStorage([entries]))
+                }
             }";
         let expected =
             Operations { additions: 2, multiplications: 2, divisions: 1, angles: 1, functions: 1 };

@@ -57,8 +57,8 @@ fn two_generations_are_equal_to_the_byte() {
     assert!(said.contains(&digest(modules())), "another process emits another text:\n{said}");
 }
 
-/// What other tools reach for the ballbot with arms, parameters folded in (Γ with its Jacobians: twice
-/// what the best of them does), by operators in the emitted text.
+/// What the best of SymForce, CasADi and SymPy reaches for the ballbot with arms, parameters folded in;
+/// ours by the operators in the emitted text.
 #[test]
 fn operations_of_the_ballbot_with_arms_are_no_more_than_the_best_of_other_tools() {
     let [_, baked] = counts("ballbot3d_arms");
@@ -67,7 +67,7 @@ fn operations_of_the_ballbot_with_arms_are_no_more_than_the_best_of_other_tools(
         ("coriolis_vector", 280),
         ("gravity", 60),
         ("gamma", 613),
-        ("response", 6000),
+        ("response", 2937),
         ("forward_dynamics", 1190),
         ("motion", 1086),
     ] {
@@ -89,11 +89,11 @@ fn one_pass_is_cheaper_than_single_calls() {
 
 #[test]
 fn folding_parameters_in_saves_operations() {
-    for module in modules() {
-        let [runtime, baked] = counts(&module.stem);
-        let total = |methods: &Methods| methods.values().map(Operations::flops).sum::<usize>();
-        assert!(total(&baked) <= total(&runtime), "{}", module.stem);
-    }
+    let totals = modules().iter().map(|module| {
+        counts(&module.stem).map(|methods| methods.values().map(Operations::flops).sum::<usize>())
+    });
+    let [runtime, baked] = totals.fold([0, 0], |[a, b], [x, y]| [a + x, b + y]);
+    assert!(baked < runtime, "{baked} operations baked, {runtime} at run time");
 }
 
 /// The quantity that a method computes.

@@ -96,5 +96,5 @@ fn requirements_on_parameters_are_checked() {
     // Both in range, but the arms would reach below the centre of the ball.
     let long_arms = Params::<f64> { l_a: 0.9, d_z: 0.9, ..Params::model() };
     let verdict = long_arms.validate();
-    assert_eq!(verdict, Err(ParameterError::Requirement { text: "require l_a < d_z;" }));
+    assert_eq!(verdict, Err(ParameterError::Requirement { text: "l_a < d_z" }));
 }

@@ -1,6 +1,7 @@
 //! What must hold for every bundled robot, whether compiled with parameters at run time, compiled with
 //! parameters folded in, or interpreted.
 
+use shapebot_dynamics::{Real, Robot};
 use shapebot_tests::checks;
 use shapebot_tests::dual::Dual;
 use shapebot_tests::reference::{Data, load};
@@ -109,7 +110,7 @@ macro_rules! suites {
             mod compiled {
                 use super::*;
                 use shapebot_generated::$module::$robot;
-                fn robot<T: shapebot_dynamics::Real>() -> $robot<T> {
+                fn robot<T: Real>() -> $robot<T> {
                     $robot::from_model()
                 }
                 claims!(concat!($name, ", compiled"), $name);
@@ -118,7 +119,7 @@ macro_rules! suites {
             mod baked {
                 use super::*;
                 use shapebot_generated::$module::$baked;
-                fn robot<T: shapebot_dynamics::Real>() -> $baked {
+                fn robot<T: Real>() -> impl Robot<T, $n, $nx, $ns> {
                     $baked
                 }
                 claims!(concat!($name, ", baked"), $name);
@@ -127,7 +128,7 @@ macro_rules! suites {
             mod interpreted {
                 use super::*;
                 use shapebot_interpreter::Interpreted;
-                fn robot<T: shapebot_dynamics::Real>() -> Interpreted<$n, $nx, $ns, T> {
+                fn robot<T: Real>() -> Interpreted<$n, $nx, $ns, T> {
                     shapebot_tests::models::interpreted($name)
                 }
                 claims!(concat!($name, ", interpreted"), $name);
