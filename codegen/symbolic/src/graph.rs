@@ -101,9 +101,11 @@ impl Node {
         match *self {
             Self::Constant(_) | Self::Pi | Self::Symbol(_) => [None, None],
             Self::Neg(a) | Self::Unary(_, a) => [Some(a), None],
-            Self::Add(a, b) | Self::Sub(a, b) | Self::Mul(a, b) | Self::Div(a, b) | Self::Atan2(a, b) => {
-                [Some(a), Some(b)]
-            }
+            Self::Add(a, b)
+            | Self::Sub(a, b)
+            | Self::Mul(a, b)
+            | Self::Div(a, b)
+            | Self::Atan2(a, b) => [Some(a), Some(b)],
         }
     }
 }
@@ -499,9 +501,8 @@ impl Graph {
             Unary::Sqrt => {
                 let value = self.as_constant(x)?;
                 let (n, d) = (value.numer().sqrt(), value.denom().sqrt());
-                let exact = !value.is_negative()
-                    && &n * &n == *value.numer()
-                    && &d * &d == *value.denom();
+                let exact =
+                    !value.is_negative() && &n * &n == *value.numer() && &d * &d == *value.denom();
                 exact.then(|| self.constant(BigRational::new(n, d)))
             }
             _ => None,
