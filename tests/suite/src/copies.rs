@@ -81,6 +81,10 @@ pub fn cargo(folder: &Path, target: &Path, arguments: &[&str], input: &str) -> S
         }
     }
     command.args(arguments).current_dir(folder).env("CARGO_TARGET_DIR", target);
+    // What is built here is run once: unoptimised, build scripts and programs share what they need.
+    for setting in ["DEV_OPT_LEVEL", "DEV_BUILD_OVERRIDE_OPT_LEVEL", "DEV_DEBUG"] {
+        command.env(format!("CARGO_PROFILE_{setting}"), "0");
+    }
     command.env("CARGO_NET_OFFLINE", "true").env("CARGO_TERM_COLOR", "never");
     let pipe = std::process::Stdio::piped;
     command.stdin(pipe()).stdout(pipe()).stderr(pipe());
