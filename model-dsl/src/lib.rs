@@ -175,7 +175,7 @@ fn too_large(bytes: usize) -> Diagnostic {
     Diagnostic::error(
         codes::E0002,
         Span::default(),
-        format!("the file is too large: {bytes} bytes"),
+        format!("the file is too large: {} MiB and more", bytes >> 20),
     )
     .note(format!("a model has at most {MAX_BYTES} bytes"))
     .help("a robot with many like parts is written with `component` and `repeat`")
