@@ -57,6 +57,12 @@ pub(crate) fn root() -> PathBuf {
 }
 
 /// Says that a test is skipped, past the test harness's capture.
+///
+/// # Panics
+///
+/// When `SHAPEBOT_REQUIRE` names the reference data.
 pub(crate) fn skip(what: &str) {
+    let required = std::env::var("SHAPEBOT_REQUIRE").unwrap_or_default();
+    assert!(!required.split(',').any(|word| word.trim() == "reference"), "{what}");
     let _ = writeln!(std::io::stderr(), "skipped: {what}");
 }
