@@ -127,6 +127,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod constraint;
 mod error;
 mod gain;
 mod integrate;
@@ -137,11 +138,13 @@ pub mod optimise;
 mod plan;
 mod planner;
 mod reference;
+pub mod refined;
 
 #[cfg(test)]
 #[path = "../tests/common/mod.rs"]
 mod common;
 
+pub use constraint::{Constrained, SetMotion, ShapeConstraint, Unconstrained};
 pub use error::Error;
 pub use gain::Weighting;
 pub use integrate::MIN_SAMPLES;
@@ -150,3 +153,4 @@ pub use optimise::{LevenbergMarquardt, Termination};
 pub use plan::{Plan, PlanPoint, Report, Row};
 pub use planner::{Task, plan};
 pub use reference::Desired;
+pub use refined::{RefinedPlan, RefinedReport, Refinement, Start, Workspace, refine};

@@ -1,6 +1,7 @@
 //! What the gain is chosen to minimise, and its linearisation.
 
 use crate::Error;
+use crate::constraint::ShapeConstraint;
 use crate::integrate::{Accelerated, DoubleIntegral, Integrated, Linear};
 use crate::linear_algebra::column;
 use crate::motion::DesiredMotion;
@@ -34,12 +35,14 @@ pub(crate) struct GainProblem<
     'a,
     R: ?Sized,
     M: ?Sized,
+    C,
     T: Ordered,
     const NX: usize,
     const NS: usize,
 > {
     pub(crate) robot: &'a R,
     pub(crate) motion: &'a M,
+    pub(crate) constraint: C,
     pub(crate) map: OutputMap<T, NX>,
     pub(crate) grid: Grid<T>,
     pub(crate) initial_gain: SMatrix<T, NS, NX>,
@@ -88,8 +91,9 @@ impl<T: Ordered, const NX: usize, const NS: usize> Accelerated<T> for Sample<T, 
     }
 }
 
-impl<T, R, M, const NX: usize, const NS: usize> GainProblem<'_, R, M, T, NX, NS>
+impl<T, R, M, C, const NX: usize, const NS: usize> GainProblem<'_, R, M, C, T, NX, NS>
 where
+    C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
     R: ShapeAccelerated<T, NX, NS> + ?Sized,
     M: DesiredMotion<T, NX> + ?Sized,
@@ -130,13 +134,14 @@ where
     /// Γ along q_s = K a with its derivatives by S: ∂q_s/∂S_ij is column i of K⁰ times a_j, and so
     /// for the rates with a's derivatives (Eqs. 31 and 32).
     fn sample(&self, gain: &SMatrix<T, NS, NX>, index: usize) -> Sample<T, NX, NS> {
-        let plan = PlanPoint::new(self.grid.time(index), self.desired(index), gain);
+        let time = self.grid.time(index);
+        let plan = PlanPoint::new(time, self.desired(index), &self.constraint, gain);
         let response =
             self.robot.response(&plan.shape, &plan.shape_velocity, &plan.shape_acceleration);
         let by_shape = response.d_qs * self.initial_gain;
         let by_rate = response.d_qsd * self.initial_gain;
         let by_acceleration = response.d_qsdd * self.initial_gain;
-        let [_, _, a, da, dda] = &plan.desired.position;
+        let [a, da, dda] = &plan.net_acceleration;
         let by_factor = core::array::from_fn(|i| {
             core::array::from_fn(|j| {
                 column(&by_shape, i) * a[j]
@@ -152,7 +157,7 @@ where
         &self,
         node: &Integrated<Sample<T, NX, NS>, Sensitive<T, NX>>,
     ) -> (SVector<T, NX>, ByFactor<T, NX>) {
-        let PlanPoint { shape, desired, .. } = &node.sample.plan;
+        let PlanPoint { shape, desired, net_acceleration, .. } = &node.sample.plan;
         let position = &node.position;
         let scaled = || position.by_factor.map(|row| row.map(|x| self.map.jacobian * x));
         match self.objective {
@@ -169,7 +174,7 @@ where
                 let mut by_factor = scaled();
                 for (i, row) in by_factor.iter_mut().enumerate() {
                     for (j, entry) in row.iter_mut().enumerate() {
-                        *entry += column(&through_shape, i) * desired.position[2][j];
+                        *entry += column(&through_shape, i) * net_acceleration[0][j];
                     }
                 }
                 (self.robot.output(&position.value, shape) - desired.output[0], by_factor)
@@ -227,6 +232,7 @@ mod tests {
             let problem = GainProblem {
                 robot,
                 motion: &motion,
+                constraint: crate::Unconstrained,
                 map: reference::OutputMap::new(robot).unwrap(),
                 grid: Grid::new(&motion, 81).unwrap(),
                 initial_gain: Weighting::MinimumNorm.gain(robot).unwrap(),

@@ -1,7 +1,8 @@
 //! Plans: what the planner hands out.
 
 use crate::Error;
-use crate::integrate::{Accelerated, DoubleIntegral};
+use crate::constraint::{ShapeConstraint, Unconstrained};
+use crate::integrate::{Accelerated, DoubleIntegral, Integrated};
 use crate::linear_algebra::{largest, norm};
 use crate::motion::DesiredMotion;
 use crate::optimise::{Minimum, Termination};
@@ -17,22 +18,35 @@ pub struct PlanPoint<T: Ordered, const NX: usize, const NS: usize> {
     pub time: T,
     /// The desired motion.
     pub desired: Desired<T, NX>,
-    /// q_s^p = K q̈_x^d (Eq. 31), in the units of the shape coordinates.
+    /// What the free shape sets are to cause, with two derivatives, in the unit of the position
+    /// coordinates: of a gain plan the net acceleration q̈_x^d − a_ac (Eq. 35), of a refined plan the
+    /// virtual acceleration u.
+    pub net_acceleration: [SVector<T, NX>; 3],
+    /// q_s^p = K q̈_x^net (Eq. 31) plus the constrained shape, in the units of the shape coordinates.
     pub shape: SVector<T, NS>,
-    /// q̇_s^p = K d³q_x^d/dt³.
+    /// q̇_s^p.
     pub shape_velocity: SVector<T, NS>,
-    /// q̈_s^p = K d⁴q_x^d/dt⁴.
+    /// q̈_s^p.
     pub shape_acceleration: SVector<T, NS>,
 }
 
 impl<T: Ordered, const NX: usize, const NS: usize> PlanPoint<T, NX, NS> {
-    pub(crate) fn new(time: T, desired: Desired<T, NX>, gain: &SMatrix<T, NS, NX>) -> Self {
-        let [_, _, a, da, dda] = &desired.position;
+    pub(crate) fn new<C: ShapeConstraint<T, NX, NS>>(
+        time: T,
+        desired: Desired<T, NX>,
+        constraint: &C,
+        gain: &SMatrix<T, NS, NX>,
+    ) -> Self {
+        let [a, b, c] = constraint.acceleration(time);
+        let [_, _, x2, x3, x4] = &desired.position;
+        let net_acceleration = [x2 - a, x3 - b, x4 - c];
+        let [q, dq, ddq, ..] = constraint.shape(time);
         Self {
             time,
-            shape: gain * a,
-            shape_velocity: gain * da,
-            shape_acceleration: gain * dda,
+            shape: q + gain * net_acceleration[0],
+            shape_velocity: dq + gain * net_acceleration[1],
+            shape_acceleration: ddq + gain * net_acceleration[2],
+            net_acceleration,
             desired,
         }
     }
@@ -54,6 +68,22 @@ pub struct Row<T: Ordered, const NX: usize, const NS: usize> {
 }
 
 impl<T: Ordered, const NX: usize, const NS: usize> Row<T, NX, NS> {
+    pub(crate) fn new<R>(
+        robot: &R,
+        node: Integrated<Sample<T, NX, NS>, SVector<T, NX>>,
+    ) -> Self
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    {
+        Self {
+            output: robot.output(&node.position, &node.sample.plan.shape),
+            position: node.position,
+            velocity: node.velocity,
+            acceleration: node.sample.acceleration,
+            plan: node.sample.plan,
+        }
+    }
+
     /// Where the output is, relative to where it is desired: h(q_x^p, q_s^p) − x^d.
     pub fn output_error(&self) -> SVector<T, NX> {
         self.output - self.plan.desired.output[0]
@@ -96,9 +126,9 @@ impl<T: Ordered, const NX: usize, const NS: usize> Row<T, NX, NS> {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Sample<T: Ordered, const NX: usize, const NS: usize> {
-    plan: PlanPoint<T, NX, NS>,
-    acceleration: SVector<T, NX>,
+pub(crate) struct Sample<T: Ordered, const NX: usize, const NS: usize> {
+    pub(crate) plan: PlanPoint<T, NX, NS>,
+    pub(crate) acceleration: SVector<T, NX>,
 }
 
 impl<T: Ordered, const NX: usize, const NS: usize> Accelerated<T> for Sample<T, NX, NS> {
@@ -182,8 +212,16 @@ impl<T: Ordered, const NS: usize> Report<T, NS> {
 }
 
 /// A shape trajectory that is a constant gain times a desired acceleration (Eq. 31).
-pub struct Plan<'a, M: ?Sized, T: Ordered, const NX: usize, const NS: usize> {
+pub struct Plan<
+    'a,
+    M: ?Sized,
+    T: Ordered,
+    const NX: usize,
+    const NS: usize,
+    C = Unconstrained,
+> {
     pub(crate) motion: &'a M,
+    pub(crate) constraint: C,
     pub(crate) map: OutputMap<T, NX>,
     pub(crate) grid: Grid<T>,
     pub(crate) initial_gain: SMatrix<T, NS, NX>,
@@ -193,16 +231,21 @@ pub struct Plan<'a, M: ?Sized, T: Ordered, const NX: usize, const NS: usize> {
 }
 
 // By hand, because the motion is only borrowed: it need not be Clone or Debug itself.
-impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> Clone for Plan<'_, M, T, NX, NS> {
+impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize, C: Copy> Clone
+    for Plan<'_, M, T, NX, NS, C>
+{
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> Copy for Plan<'_, M, T, NX, NS> {}
+impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize, C: Copy> Copy
+    for Plan<'_, M, T, NX, NS, C>
+{
+}
 
-impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> fmt::Debug
-    for Plan<'_, M, T, NX, NS>
+impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize, C> fmt::Debug
+    for Plan<'_, M, T, NX, NS, C>
 {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Plan")
@@ -215,9 +258,10 @@ impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> fmt::Debug
     }
 }
 
-impl<'a, M, T, const NX: usize, const NS: usize> Plan<'a, M, T, NX, NS>
+impl<'a, M, T, const NX: usize, const NS: usize, C> Plan<'a, M, T, NX, NS, C>
 where
     M: DesiredMotion<T, NX> + ?Sized,
+    C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
 {
     /// The desired motion that the plan follows.
@@ -253,7 +297,8 @@ where
 
     /// The plan at time `t`, seconds. Before the start and after the end the shape is at rest.
     pub fn at(&self, t: T) -> PlanPoint<T, NX, NS> {
-        PlanPoint::new(t, self.map.desired(self.motion.derivatives(t)), &self.gain)
+        let desired = self.map.desired(self.motion.derivatives(t));
+        PlanPoint::new(t, desired, &self.constraint, &self.gain)
     }
 
     /// The motion of `robot` when it tracks the planned shape exactly, at the plan's samples: Γ
@@ -265,7 +310,7 @@ where
     pub fn rows<'s, R>(
         &'s self,
         robot: &'s R,
-    ) -> impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, R>
+    ) -> impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, C, R>
     where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
     {
@@ -282,7 +327,7 @@ where
         &'s self,
         robot: &'s R,
         samples: usize,
-    ) -> Result<impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, R>, Error>
+    ) -> Result<impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, C, R>, Error>
     where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
     {
@@ -293,7 +338,7 @@ where
         &'s self,
         grid: Grid<T>,
         robot: &'s R,
-    ) -> impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, R>
+    ) -> impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, C, R>
     where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
     {
@@ -305,13 +350,7 @@ where
             Sample { plan, acceleration }
         };
         let trajectory = DoubleIntegral::new(grid.count, grid.step(), start[1], start[0], sample);
-        trajectory.map(|node| Row {
-            output: robot.output(&node.position, &node.sample.plan.shape),
-            position: node.position,
-            velocity: node.velocity,
-            acceleration: node.sample.acceleration,
-            plan: node.sample.plan,
-        })
+        trajectory.map(|node| Row::new(robot, node))
     }
 
     /// Fills the report's errors and peaks from the plan's samples.

@@ -1,6 +1,7 @@
-//! Algorithm 1 without additional shape constraints.
+//! Algorithm 1.
 
 use crate::Error;
+use crate::constraint::{ShapeConstraint, Unconstrained};
 use crate::gain::Weighting;
 use crate::motion::DesiredMotion;
 use crate::objective::{GainProblem, Objective};
@@ -22,7 +23,7 @@ use shapebot_dynamics::{Ordered, ShapeAccelerated};
 ///     .objective(Objective::Position);
 /// # Ok::<(), shapebot_planner::Error>(())
 /// ```
-pub struct Task<'a, M: ?Sized, T: Ordered, const NS: usize> {
+pub struct Task<'a, M: ?Sized, T: Ordered, const NS: usize, C = Unconstrained> {
     /// The desired motion of the output.
     pub motion: &'a M,
     /// Number of equidistant samples, both ends included, at least [`MIN_SAMPLES`](crate::MIN_SAMPLES).
@@ -33,18 +34,20 @@ pub struct Task<'a, M: ?Sized, T: Ordered, const NS: usize> {
     pub objective: Objective,
     /// How.
     pub optimiser: LevenbergMarquardt<T>,
+    /// Shape sets that follow trajectories of their own: [`Constrained`](crate::Constrained).
+    pub constraint: C,
 }
 
 // By hand, because the motion is only borrowed: it need not be Clone or Debug itself.
-impl<M: ?Sized, T: Ordered, const NS: usize> Clone for Task<'_, M, T, NS> {
+impl<M: ?Sized, T: Ordered, const NS: usize, C: Copy> Clone for Task<'_, M, T, NS, C> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<M: ?Sized, T: Ordered, const NS: usize> Copy for Task<'_, M, T, NS> {}
+impl<M: ?Sized, T: Ordered, const NS: usize, C: Copy> Copy for Task<'_, M, T, NS, C> {}
 
-impl<M: ?Sized, T: Ordered, const NS: usize> fmt::Debug for Task<'_, M, T, NS> {
+impl<M: ?Sized, T: Ordered, const NS: usize, C> fmt::Debug for Task<'_, M, T, NS, C> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Task")
             .field("samples", &self.samples)
@@ -64,9 +67,12 @@ impl<'a, M: ?Sized, T: Ordered, const NS: usize> Task<'a, M, T, NS> {
             weighting: Weighting::default(),
             objective: Objective::default(),
             optimiser: LevenbergMarquardt::default(),
+            constraint: Unconstrained,
         }
     }
+}
 
+impl<'a, M: ?Sized, T: Ordered, const NS: usize, C> Task<'a, M, T, NS, C> {
     /// The task with another weighting.
     #[must_use]
     pub fn weighting(self, weighting: Weighting<'a, T, NS>) -> Self {
@@ -77,6 +83,25 @@ impl<'a, M: ?Sized, T: Ordered, const NS: usize> Task<'a, M, T, NS> {
     #[must_use]
     pub fn objective(self, objective: Objective) -> Self {
         Self { objective, ..self }
+    }
+
+    /// The task with shape sets constrained.
+    #[must_use]
+    pub fn constraint<D>(self, constraint: D) -> Task<'a, M, T, NS, D> {
+        let Self { motion, samples, weighting, objective, optimiser, constraint: _ } = self;
+        Task { motion, samples, weighting, objective, optimiser, constraint }
+    }
+
+    /// K⁰_qx of the free shape sets.
+    pub(crate) fn free_gain<R, const NX: usize>(
+        &self,
+        robot: &R,
+    ) -> Result<SMatrix<T, NS, NX>, Error>
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+        C: ShapeConstraint<T, NX, NS>,
+    {
+        self.weighting.free_gain(robot, |index| self.constraint.holds(index))
     }
 
     /// The task with other settings of the optimiser.
@@ -101,13 +126,14 @@ impl<'a, M: ?Sized, T: Ordered, const NS: usize> Task<'a, M, T, NS> {
 /// - [`Error::OutOfRange`]: the plan leaves a coordinate's declared range.
 ///
 /// A plan whose optimiser did not converge is no error: see [`Report::termination`].
-pub fn plan<'a, R, M, T, const NX: usize, const NS: usize>(
+pub fn plan<'a, R, M, C, T, const NX: usize, const NS: usize>(
     robot: &R,
-    task: &Task<'a, M, T, NS>,
-) -> Result<Plan<'a, M, T, NX, NS>, Error>
+    task: &Task<'a, M, T, NS, C>,
+) -> Result<Plan<'a, M, T, NX, NS, C>, Error>
 where
     R: ShapeAccelerated<T, NX, NS> + ?Sized,
     M: DesiredMotion<T, NX> + ?Sized,
+    C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
 {
     check_description(robot)?;
@@ -117,7 +143,8 @@ where
         motion: task.motion,
         map: OutputMap::new(robot)?,
         grid: Grid::new(task.motion, task.samples)?,
-        initial_gain: task.weighting.gain(robot)?,
+        initial_gain: task.free_gain(robot)?,
+        constraint: task.constraint,
         objective: task.objective,
     };
     let mut passes = 0_usize;
@@ -127,6 +154,7 @@ where
     })?;
     let mut plan = Plan {
         motion: task.motion,
+        constraint: task.constraint,
         map: problem.map,
         grid: problem.grid,
         initial_gain: problem.initial_gain,
@@ -139,7 +167,7 @@ where
 }
 
 /// Ranges and shape sets are looked up by index: the description must be that of the robot.
-fn check_description<T, const NX: usize, const NS: usize, R>(robot: &R) -> Result<(), Error>
+pub(crate) fn check_description<T, const NX: usize, const NS: usize, R>(robot: &R) -> Result<(), Error>
 where
     T: Ordered,
     R: ShapeAccelerated<T, NX, NS> + ?Sized,

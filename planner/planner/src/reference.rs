@@ -40,6 +40,11 @@ impl<T: Ordered, const NX: usize> OutputMap<T, NX> {
         Ok(Self { jacobian, inverse, origin })
     }
 
+    /// (∂h/∂q_x)⁻¹.
+    pub(crate) fn inverse(&self) -> &SMatrix<T, NX, NX> {
+        &self.inverse
+    }
+
     pub(crate) fn desired(&self, output: Derivatives<T, NX>) -> Desired<T, NX> {
         let mut relative = output;
         relative[0] -= self.origin;

@@ -108,4 +108,16 @@ impl<T: Ordered, const NX: usize> DesiredMotion<T, NX> for Bezier<'_, T, NX> {
         }
         in_time(x, self.duration)
     }
+
+    fn position(&self, t: T) -> SVector<T, NX> {
+        if t < T::zero() {
+            return self.point(0, false);
+        }
+        if t > self.duration {
+            return self.point(0, true);
+        }
+        let tau = t / self.duration;
+        let reversed = tau > T::from_f64(0.5);
+        self.derivative(0, if reversed { T::one() - tau } else { tau }, reversed)
+    }
 }
