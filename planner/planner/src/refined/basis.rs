@@ -43,6 +43,13 @@ impl<T: Ordered> Basis<T> {
         basis
     }
 
+    /// Makes this the basis of `spans` spans, if it is not.
+    pub(crate) fn prepare(&mut self, spans: usize) {
+        if self.spans != spans {
+            *self = Self::new(spans);
+        }
+    }
+
     pub(crate) fn span(&self, span: usize) -> &SpanBasis<T> {
         let index = if self.spans <= DISTINCT || span <= DEGREE {
             span

@@ -20,8 +20,7 @@ pub(crate) fn assemble<T: Ordered, const NX: usize, const POINTS: usize>(
     normal.clear();
     let mut powers: Powers<T> = [T::zero(); 2 * ORDER - 1];
     let mut current = 0;
-    for index in 0..window.count {
-        let (span, sigma) = window.place(index);
+    for (span, sigma) in window.places().take(window.count) {
         if span != current {
             add_span(basis.span(current), current, &powers, window.span_length(), linear, normal);
             powers = [T::zero(); 2 * ORDER - 1];
@@ -47,6 +46,22 @@ fn add_span<T: Ordered, const NX: usize, const POINTS: usize>(
 ) {
     let curvature = second_derivatives(basis, length);
     let metric = linear.jacobian.transpose() * linear.jacobian;
+    if let Some(lag) = scalar(&linear.output) {
+        // τ² is a number: one function per control point instead of two.
+        let mut functions = *basis;
+        for (function, bent) in functions.iter_mut().zip(&curvature) {
+            for (entry, &bent) in function.iter_mut().zip(bent) {
+                *entry -= lag * bent;
+            }
+        }
+        let left = weighted(&functions, powers);
+        for i in 0..ORDER {
+            for j in 0..=i {
+                normal.add(span + i, i - j, &(metric * dot(&left[i], &functions[j])));
+            }
+        }
+        return;
+    }
     let once = metric * linear.output;
     let twice = linear.output.transpose() * once;
     let (left, bent) = (weighted(basis, powers), weighted(&curvature, powers));
@@ -83,6 +98,12 @@ fn dot<T: Ordered, const N: usize>(a: &[T; ORDER], b: &[T; N]) -> T {
         sum += a[k] * b[k];
     }
     sum
+}
+
+/// The number that a matrix is a multiple of the identity by.
+fn scalar<T: Ordered, const NX: usize>(matrix: &SMatrix<T, NX, NX>) -> Option<T> {
+    let first = *matrix.iter().next()?;
+    (*matrix == SMatrix::<T, NX, NX>::from_diagonal_element(first)).then_some(first)
 }
 
 /// What a 1 × 1 or diagonal matrix has on its diagonal; `None` for another.

@@ -118,7 +118,7 @@ impl<T: Ordered, const NX: usize, const NS: usize> Node<T, NX, NS> {
     }
 }
 
-type Swept<T, const NX: usize, const NS: usize> = Integrated<Node<T, NX, NS>, SVector<T, NX>>;
+pub(crate) type Swept<T, const NX: usize, const NS: usize> = Integrated<Node<T, NX, NS>, SVector<T, NX>>;
 
 impl<R, M, C, T, const NX: usize, const NS: usize> Problem<'_, R, M, C, T, NX, NS>
 where
@@ -153,28 +153,55 @@ where
         Node { index, span, sigma, time, shape, shape_velocity, model, rate: u[1], defect }
     }
 
-    /// The plan's samples with the defect integrated twice from the start state. Without `exact` the
-    /// robot is taken to be linear.
-    pub(crate) fn sweep<'s>(
+    /// The plan's samples as if the robot were linear.
+    pub(crate) fn linear_sweep<'s>(
+        &'s self,
+        basis: &'s Basis<T>,
+        points: &'s [SVector<T, NX>],
+    ) -> impl Iterator<Item = Swept<T, NX, NS>> + 's {
+        let zero = SVector::zeros();
+        let mut source = self.nodes(basis, points, false);
+        (0..self.window.count).map(move |index| Integrated {
+            sample: source(index),
+            velocity: zero,
+            position: zero,
+        })
+    }
+
+    /// Samples, to be asked for in order.
+    fn nodes<'s>(
         &'s self,
         basis: &'s Basis<T>,
         points: &'s [SVector<T, NX>],
         exact: bool,
-    ) -> impl ExactSizeIterator<Item = Swept<T, NX, NS>> + 's {
+    ) -> impl FnMut(usize) -> Node<T, NX, NS> + 's {
         let length = self.window.span_length();
         let mut curve = SpanCurve::new(basis, points, 0, length);
-        let first = self.node(0, (0, T::zero()), &curve, false);
-        let velocity = self.start.velocity - self.model_velocity(&first, &curve);
-        let position = self.start.position - first.model;
         let mut current = 0;
-        DoubleIntegral::new(self.window.count, self.window.step(), velocity, position, move |index| {
-            let place = self.window.place(index);
+        let mut places = self.window.places();
+        move |index| {
+            let place = places.next().unwrap_or((current, T::one()));
             if place.0 != current {
                 current = place.0;
                 curve = SpanCurve::new(basis, points, current, length);
             }
             self.node(index, place, &curve, exact)
-        })
+        }
+    }
+
+    /// The plan's samples with the defect integrated twice from the start state.
+    pub(crate) fn sweep<'s>(
+        &'s self,
+        basis: &'s Basis<T>,
+        points: &'s [SVector<T, NX>],
+    ) -> impl ExactSizeIterator<Item = Swept<T, NX, NS>> + 's {
+        let length = self.window.span_length();
+        let curve = SpanCurve::new(basis, points, 0, length);
+        let first = self.node(0, (0, T::zero()), &curve, false);
+        let velocity = self.start.velocity - self.model_velocity(&first, &curve);
+        let position = self.start.position - first.model;
+        let source = self.nodes(basis, points, true);
+        DoubleIntegral::new(self.window.count, self.window.step(), velocity, position, source)
     }
 
     fn model_velocity(&self, node: &Node<T, NX, NS>, curve: &SpanCurve<T, NX>) -> SVector<T, NX> {

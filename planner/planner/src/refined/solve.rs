@@ -3,7 +3,7 @@
 use super::gram;
 use super::limits::{Bounds, Peaks};
 use super::plan::{RefinedPlan, RefinedReport};
-use super::problem::{Fade, Linearised, Moments, Problem, larger, root_mean};
+use super::problem::{Fade, Linearised, Moments, Problem, Swept, larger, root_mean};
 use super::task::{Refinement, Start};
 use super::window::Window;
 use super::workspace::{SpanCurve, Workspace};
@@ -164,7 +164,7 @@ where
         problem.start = *start;
         ends = Ends { virtual_start: begin_at(&mut problem)?, given: REST - 1 };
     }
-    workspace.basis = super::basis::Basis::new(window.spans);
+    workspace.basis.prepare(window.spans);
     place_ends(&problem, &ends, &map, workspace);
     gram::assemble(&workspace.basis, &window, &linear, &mut workspace.normal);
     let count = window.spans + super::basis::DEGREE;
@@ -362,13 +362,18 @@ where
     T: Ordered,
 {
     let bounds = Bounds::new(problem.robot, refinement.limits.as_ref());
-    let found = pass(problem, false, &bounds, workspace)?;
+    let mut gradient = [SVector::zeros(); POINTS];
+    let nodes = problem.linear_sweep(&workspace.basis, &workspace.points);
+    let found = pass(problem, nodes, &bounds, workspace, &mut gradient)?;
+    workspace.gradient = gradient;
     step(problem, &found, count, workspace)?;
     advance(count, workspace);
     let (mut used, mut converged) = (0, false);
     let mut initial = None;
     let found = loop {
-        let found = pass(problem, true, &bounds, workspace)?;
+        let nodes = problem.sweep(&workspace.basis, &workspace.points);
+        let found = pass(problem, nodes, &bounds, workspace, &mut gradient)?;
+        workspace.gradient = gradient;
         used += 1;
         let rmse = root_mean(found.squares, problem.window.count);
         initial = initial.or(Some(rmse));
@@ -401,12 +406,13 @@ where
     })
 }
 
-/// One sweep over the samples: errors, peaks, and Jᵀr in the workspace.
+/// One sweep over the samples: errors, peaks, and Jᵀr as `gradient`.
 fn pass<R, M, C, T, const NX: usize, const NS: usize, const POINTS: usize>(
     problem: &Problem<'_, R, M, C, T, NX, NS>,
-    exact: bool,
+    nodes: impl Iterator<Item = Swept<T, NX, NS>>,
     bounds: &Bounds<'_, T, NX, NS>,
-    workspace: &mut Workspace<T, NX, POINTS>,
+    workspace: &Workspace<T, NX, POINTS>,
+    gradient: &mut [SVector<T, NX>; POINTS],
 ) -> Result<Found<T, NX, NS>, Error>
 where
     R: ShapeAccelerated<T, NX, NS> + ?Sized,
@@ -414,7 +420,7 @@ where
     C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
 {
-    let Workspace { basis, points, gradient, .. } = workspace;
+    let Workspace { basis, points, .. } = workspace;
     *gradient = [SVector::zeros(); POINTS];
     let length = problem.window.span_length();
     let mut moments = Moments::new(0);
@@ -428,7 +434,7 @@ where
         peaks: Peaks::new(),
     };
     let mut last = None;
-    for node in problem.sweep(basis, points, exact) {
+    for node in nodes {
         let error = problem.output_error(&node);
         if !is_finite(&error) {
             return Err(bounds.explain(problem, &node.sample));

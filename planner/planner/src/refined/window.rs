@@ -11,7 +11,9 @@ pub const MIN_REFINED_SAMPLES: usize = 9;
 /// Equidistant samples of the window; those of the motion itself lie among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Window<T> {
+    /// The motion's own samples.
     grid: Grid<T>,
+    step: T,
     /// Samples ahead of the motion.
     before: usize,
     pub(crate) count: usize,
@@ -31,7 +33,7 @@ impl<T: Ordered> Window<T> {
         }
         let [before, after] = [whole(standing[0] / grid.step())?, whole(standing[1] / grid.step())?];
         let count = grid.count + before + after;
-        let mut window = Self { grid, before, count, spans: 4 };
+        let mut window = Self { grid, step: grid.step(), before, count, spans: 4 };
         check_duration(window.length())?;
         let most = points.saturating_sub(super::basis::DEGREE).min((count - 1) / 2);
         if most < 4 {
@@ -62,28 +64,28 @@ impl<T: Ordered> Window<T> {
 
     /// Seconds.
     pub(crate) fn length(&self) -> T {
-        self.grid.step() * T::from_f64((self.count - 1) as f64)
+        self.step * T::from_f64((self.count - 1) as f64)
     }
 
     pub(crate) fn step(&self) -> T {
-        self.grid.step()
+        self.step
     }
 
     /// Seconds before the motion at which the window opens, not positive.
     pub(crate) fn start(&self) -> T {
-        -(self.grid.step() * T::from_f64(self.before as f64))
+        -(self.step * T::from_f64(self.before as f64))
     }
 
     pub(crate) fn end(&self) -> T {
         self.time(self.count - 1)
     }
 
-    /// Time of a sample since the motion's start.
+    /// Time of a sample since the motion's start; the motion's last sample is at its duration exactly.
     pub(crate) fn time(&self, index: usize) -> T {
-        if index >= self.before {
-            self.grid.time(index - self.before)
+        if index + 1 == self.before + self.grid.count {
+            self.grid.time(self.grid.count - 1)
         } else {
-            -(self.grid.step() * T::from_f64((self.before - index) as f64))
+            self.step * T::from_f64(index as f64 - self.before as f64)
         }
     }
 
@@ -101,14 +103,11 @@ impl<T: Ordered> Window<T> {
         self.length() / T::from_f64(self.spans as f64)
     }
 
-    /// Span of a sample, and the fraction of it that has passed: exact, in whole numbers.
-    pub(crate) fn place(&self, index: usize) -> (usize, T) {
+    /// Span of each sample, and the fraction of it that has passed: counted in whole numbers.
+    pub(crate) fn places(&self) -> Places<T> {
         let intervals = self.count - 1;
-        let (whole, part) = (index * self.spans / intervals, index * self.spans % intervals);
-        if whole >= self.spans {
-            return (self.spans - 1, T::one());
-        }
-        (whole, T::from_f64(part as f64) / T::from_f64(intervals as f64))
+        let unit = T::one() / T::from_f64(intervals as f64);
+        Places { span: 0, part: 0, spans: self.spans, intervals, unit }
     }
 
     /// The same for any time since the motion's start, limited to the window.
@@ -122,6 +121,38 @@ impl<T: Ordered> Window<T> {
         }
         let span = (position.to_f64() as usize).min(self.spans - 1);
         (span, position - T::from_f64(span as f64))
+    }
+}
+
+/// Where the samples lie, one after the other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Places<T> {
+    span: usize,
+    /// In units of a span over the number of intervals.
+    part: usize,
+    spans: usize,
+    intervals: usize,
+    unit: T,
+}
+
+impl<T: Ordered> Iterator for Places<T> {
+    type Item = (usize, T);
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        // The last sample ends the last span, it does not begin another.
+        let place = if self.span < self.spans {
+            (self.span, T::from_f64(self.part as f64) * self.unit)
+        } else {
+            (self.spans - 1, T::one())
+        };
+        // There are fewer spans than intervals.
+        self.part += self.spans;
+        if self.part >= self.intervals {
+            self.part -= self.intervals;
+            self.span += 1;
+        }
+        Some(place)
     }
 }
 
