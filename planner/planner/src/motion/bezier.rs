@@ -41,6 +41,11 @@ impl<'a, T: Ordered, const NX: usize> Bezier<'a, T, NX> {
         Ok(Self { points, duration })
     }
 
+    /// A curve whose parts were checked already.
+    pub(super) const fn unchecked(points: &'a [SVector<T, NX>], duration: T) -> Self {
+        Self { points, duration }
+    }
+
     /// Degree of the curve.
     pub const fn degree(&self) -> usize {
         self.points.len().saturating_sub(1)

@@ -1,14 +1,22 @@
 //! Desired motions in output space.
 
 mod bezier;
+mod examine;
+mod legs;
 mod line;
 mod smooth_step;
 mod stretched;
+mod transfer;
+mod waypoints;
 
 pub use bezier::{Bezier, MAX_BEZIER_DEGREE};
+pub use examine::{Jump, MotionPeaks, fastest, first_jump, minimum_duration, peaks};
+pub use legs::Legs;
 pub use line::Line;
 pub use smooth_step::SmoothStep;
 pub use stretched::Stretched;
+pub use transfer::{Rest, Transfer};
+pub use waypoints::{Knot, Waypoint, Waypoints};
 
 use crate::Error;
 use nalgebra::SVector;
