@@ -139,6 +139,8 @@ mod plan;
 mod planner;
 mod reference;
 pub mod refined;
+mod torque;
+pub mod value;
 
 #[cfg(test)]
 #[path = "../tests/common/mod.rs"]
@@ -153,4 +155,5 @@ pub use optimise::{LevenbergMarquardt, Termination};
 pub use plan::{Plan, PlanPoint, Report, Row};
 pub use planner::{Task, plan};
 pub use reference::Desired;
+pub use torque::{ForceReport, actuator_force, generalised_force, survey_forces};
 pub use refined::{RefinedPlan, RefinedReport, Refinement, Start, Workspace, refine};
