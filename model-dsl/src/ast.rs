@@ -1,7 +1,7 @@
 //! The syntax tree: what is written, before anything is known about it.
 
-use crate::model::{Axis, Comparison, Unit};
 use crate::Span;
+use crate::model::{Axis, Comparison, Unit};
 use num_rational::BigRational;
 
 /// A name and its place.
@@ -120,7 +120,7 @@ pub(crate) struct Coordinates {
 pub(crate) enum ArgumentType {
     Scalar(WrittenUnit),
     /// With labels.
-    Array(WrittenUnit, Labels),
+    Array(WrittenUnit, Box<Labels>),
     Frame,
     Point,
 }

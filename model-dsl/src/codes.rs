@@ -84,7 +84,9 @@ table! {
     E0511 "mirror of things that are not alike";
     E0512 "an index that is no whole number";
     E0513 "a requirement that the model's own values break";
+    E0514 "a negative quantity that cannot be negative";
     W0501 "a parameter that is never used";
+    W0502 "an inertia without effect";
     P0601 "the number of unactuated equations does not fit";
     P0602 "an unactuated equation depends on a position variable";
     P0603 "an unactuated equation depends on a position rate";

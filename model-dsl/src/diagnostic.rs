@@ -131,14 +131,22 @@ impl Diagnostic {
 #[derive(Default)]
 pub(crate) struct Sink {
     list: Vec<Diagnostic>,
+    /// Messages beyond what is kept.
+    dropped: usize,
 }
 
 /// More than this many are counted, not shown.
 const SHOWN: usize = 100;
+/// More than this many are not even kept: the file is no model.
+const KEPT: usize = 2000;
 
 impl Sink {
     pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
-        self.list.push(diagnostic);
+        if self.list.len() < KEPT || self.list.iter().all(|d| !d.is_error()) {
+            self.list.push(diagnostic);
+        } else {
+            self.dropped += 1;
+        }
     }
 
     pub(crate) fn has_errors(&self) -> bool {
@@ -153,19 +161,20 @@ impl Sink {
     /// In the order of the text, without repetitions, at most [`SHOWN`].
     pub(crate) fn finish(mut self) -> Vec<Diagnostic> {
         self.list.sort_by(|a, b| {
-            (a.span.start, a.severity, a.span.end, a.code, &a.title)
-                .cmp(&(b.span.start, b.severity, b.span.end, b.code, &b.title))
+            (a.span.start, a.severity, a.span.end, a.code, &a.title).cmp(&(
+                b.span.start,
+                b.severity,
+                b.span.end,
+                b.code,
+                &b.title,
+            ))
         });
         self.list.dedup();
-        let hidden = self.list.len().saturating_sub(SHOWN);
+        let hidden = self.list.len().saturating_sub(SHOWN) + self.dropped;
         if hidden > 0 {
-            let had_errors = self.has_errors();
             self.list.truncate(SHOWN);
             if let Some(last) = self.list.last_mut() {
                 last.notes.push(format!("{hidden} further messages are not shown"));
-                if had_errors {
-                    last.severity = Severity::Error;
-                }
             }
         }
         self.list

@@ -1,4 +1,66 @@
-//! The model language: text to a checked, dimension-correct mechanical model.
+//! The model language of shapebot: text to a checked, dimension-correct mechanical model.
+//!
+//! A model file says what is on paper: parameters with units, coordinates, energies or rigid bodies,
+//! motors. [`parse`] turns it into a [`model::Model`] in which every name is resolved and every
+//! dimension checked, or into [`Diagnostic`]s that name the place, the physics and what to do, all of a
+//! file at once. No input makes it panic, hang or overflow the stack.
+//!
+//! # Example
+//!
+//! A cart-pole: a cart on a track, a pole with a mass at its end.
+//!
+//! ```
+//! let text = "
+//! robot CartPole {
+//!     params {
+//!         /// Cart mass.
+//!         m_c: kg = 1 in 0.2..10;
+//!         /// Mass at the end of the pole.
+//!         m_p: kg = 0.1;
+//!         /// Length of the pole.
+//!         l: m = 0.5 in 0.1..2;
+//!         g: m/s^2 = 9.81;
+//!     }
+//!     position x: m;                            // q_x: where the task is
+//!     shape phi: rad in -60deg..60deg;          // q_s: what accelerates it
+//!
+//!     frame pole = world * rot_y(phi);
+//!     rigid cart { mass: m_c, com: [x, 0, 0] }
+//!     rigid bob { mass: m_p, frame: pole, com: [x, 0, 0] + pole*[0, 0, l] }
+//!     gravity g along -world.z;
+//!
+//!     actuator force on d/dt(x) limit 20*N;     // actuation is derived from this, never asserted
+//!     output x: m;
+//!     require shape_accelerated;                // proved by the generator, not here
+//! }";
+//! let parsed = shapebot_model_dsl::parse("cart_pole.robot", text);
+//! let model = parsed.model.expect("the model is correct");
+//! assert_eq!(model.coordinates[1].name, "phi");
+//! assert_eq!(model.bodies.len(), 2);
+//! ```
+//!
+//! A term that is no energy is refused, with the physics:
+//!
+//! ```
+//! # use shapebot_model_dsl::{parse, render, codes};
+//! let text = "robot Cart { params { m: kg = 1; } position x: m; kinetic 1/2*m*d/dt(x); }";
+//! let parsed = parse("cart.robot", text);
+//! assert_eq!(parsed.diagnostics[0].code, codes::E0307);
+//! let shown = render(&parsed.diagnostics, "cart.robot", text, false);
+//! assert!(shown.contains("expected energy: kg·m²/s², found momentum: kg·m/s"));
+//! ```
+//!
+//! # From text to model
+//!
+//! 1. A scan of the raw text reports characters that no lexer takes (`q'`, `m²`, `80°`) and brackets
+//!    that do not match or nest too deeply. Nothing recursive has run until then.
+//! 2. proc-macro2 says what the tokens are; they are flattened to a list with byte spans.
+//! 3. A parser of its own reads statements and expressions (`^` binds strongest and to the right) and
+//!    goes on behind a broken statement.
+//! 4. The resolver expands components and repetitions, resolves names, checks kinds and dimensions, and
+//!    builds the arenas of the model. What was refused is silent from then on.
+//!
+//! The language is described in `LANGUAGE.md` beside this crate; every code has a page, see [`explain`].
 #![forbid(unsafe_code)]
 
 mod ast;
@@ -70,7 +132,8 @@ pub fn parse(source_name: &str, text: &str) -> Parsed {
     // depth of brackets that is allowed fits its stack whatever stack the caller has.
     let run = || parse_here(source_name, text);
     let spawned = std::thread::scope(|scope| {
-        let builder = std::thread::Builder::new().name("shapebot-parse".to_owned()).stack_size(STACK);
+        let builder =
+            std::thread::Builder::new().name("shapebot-parse".to_owned()).stack_size(STACK);
         builder.spawn_scoped(scope, run).map(|handle| handle.join())
     });
     match spawned {
@@ -109,9 +172,13 @@ fn refuse(diagnostic: Diagnostic) -> Parsed {
 }
 
 fn too_large(bytes: usize) -> Diagnostic {
-    Diagnostic::error(codes::E0002, Span::default(), format!("the file is too large: {bytes} bytes"))
-        .note(format!("a model has at most {MAX_BYTES} bytes"))
-        .help("a robot with many like parts is written with `component` and `repeat`")
+    Diagnostic::error(
+        codes::E0002,
+        Span::default(),
+        format!("the file is too large: {bytes} bytes"),
+    )
+    .note(format!("a model has at most {MAX_BYTES} bytes"))
+    .help("a robot with many like parts is written with `component` and `repeat`")
 }
 
 fn internal() -> Diagnostic {

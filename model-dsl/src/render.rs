@@ -1,8 +1,9 @@
 //! Diagnostics as text, in the look of rustc.
 
-use crate::diagnostic::{Diagnostic, Severity};
 use crate::Span;
+use crate::diagnostic::{Diagnostic, Severity};
 use annotate_snippets::{AnnotationKind, Element, Group, Level, Origin, Renderer, Snippet};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Sources beyond this are shown by place only.
@@ -26,9 +27,8 @@ fn group<'a>(diagnostic: &'a Diagnostic, source_name: &'a str, text: &'a str) ->
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
     };
-    let mut group = level.primary_title(diagnostic.title.as_str()).id(diagnostic.code.as_str()).element(Element::from(place(
-        diagnostic, source_name, text,
-    )));
+    let title = level.primary_title(diagnostic.title.as_str()).id(diagnostic.code.as_str());
+    let mut group = title.element(place(diagnostic, source_name, text));
     for note in &diagnostic.notes {
         group = group.element(Level::NOTE.message(note.as_str()));
     }
@@ -55,8 +55,16 @@ fn place<'a>(diagnostic: &'a Diagnostic, source_name: &'a str, text: &'a str) ->
     if !diagnostic.primary_label.is_empty() {
         primary = primary.label(diagnostic.primary_label.as_str());
     }
-    let others = diagnostic.labels.iter().map(|(span, label)| AnnotationKind::Context.span(local(*span)).label(label.as_str()));
-    Snippet::source(&text[window.clone()])
+    let others = diagnostic
+        .labels
+        .iter()
+        .map(|(span, label)| AnnotationKind::Context.span(local(*span)).label(label.as_str()));
+    // Shown as it looks in an editor; a space keeps the places.
+    let shown: Cow<'a, str> = match &text[window.clone()] {
+        lines if lines.contains('\r') => lines.replace('\r', " ").into(),
+        lines => lines.into(),
+    };
+    Snippet::source(shown)
         .line_start(line)
         .path(source_name)
         .annotation(primary)

@@ -1,11 +1,15 @@
 //! "Did you mean".
 
 /// The closest of the candidates, if one is close.
-pub(crate) fn closest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn closest<'a>(
+    name: &str,
+    candidates: impl Iterator<Item = &'a str>,
+) -> Option<&'a str> {
     if name.len() > 64 {
         return None;
     }
-    let allowed = 1 + name.chars().count() / 4;
+    // One letter is close to every other letter.
+    let allowed = if name.chars().count() < 2 { 0 } else { 1 + name.chars().count() / 4 };
     candidates
         .filter(|c| *c != name)
         .map(|c| (strsim::damerau_levenshtein(&c.to_lowercase(), &name.to_lowercase()), c))

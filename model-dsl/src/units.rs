@@ -62,7 +62,11 @@ impl Dimension {
         Some(out)
     }
 
-    fn combine(self, other: Self, f: impl Fn(BigRational, BigRational) -> BigRational) -> Option<Self> {
+    fn combine(
+        self,
+        other: Self,
+        f: impl Fn(BigRational, BigRational) -> BigRational,
+    ) -> Option<Self> {
         let mut out = Self::NONE;
         for i in 0..3 {
             out.exponents[i] = pack(&f(exact(self.exponents[i]), exact(other.exponents[i])))?;
@@ -228,7 +232,11 @@ pub(crate) fn too_big(value: &BigRational) -> bool {
 
 /// `base^exponent` for a small whole exponent.
 pub(crate) fn whole_power(base: &BigRational, exponent: i32) -> Option<BigRational> {
-    let bits = base.numer().bits().max(base.denom().bits()).saturating_mul(u64::from(exponent.unsigned_abs()));
+    let bits = base
+        .numer()
+        .bits()
+        .max(base.denom().bits())
+        .saturating_mul(u64::from(exponent.unsigned_abs()));
     if bits > 16_384 || (exponent < 0 && base.is_zero()) {
         return None;
     }

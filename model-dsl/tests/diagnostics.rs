@@ -42,9 +42,16 @@ fn wrong_examples_are_refused_and_right_ones_are_clean() {
         };
         let found = parse("wrong.robot", wrong).diagnostics;
         let text = render(&found, "wrong.robot", wrong, false);
-        assert!(found.iter().any(|d| d.code == code), "{code} is not produced by its example:\n{text}");
+        assert!(
+            found.iter().any(|d| d.code == code),
+            "{code} is not produced by its example:\n{text}"
+        );
         let found = parse("right.robot", right).diagnostics;
-        assert!(found.is_empty(), "{code}: the right example is not clean:\n{}", render(&found, "right.robot", right, false));
+        assert!(
+            found.is_empty(),
+            "{code}: the right example is not clean:\n{}",
+            render(&found, "right.robot", right, false)
+        );
     }
 }
 

@@ -9,7 +9,9 @@ fn model_with(unit: &str, value: &str) -> Model {
         "robot Cart {{\n    params {{ v: {unit} = {value}; }}\n    position x: m;\n    kinetic 1*J*v/v*d/dt(x)^2/(1*m/s)^2;\n}}"
     );
     let parsed = parse("value.robot", &text);
-    parsed.model.unwrap_or_else(|| panic!("{}", render(&parsed.diagnostics, "value.robot", &text, false)))
+    parsed
+        .model
+        .unwrap_or_else(|| panic!("{}", render(&parsed.diagnostics, "value.robot", &text, false)))
 }
 
 fn value(text: &str) -> f64 {
@@ -50,7 +52,11 @@ fn operators_group_as_on_paper() {
         ("ln(exp(2))", 2.0),
     ];
     for (text, expected) in table {
-        assert!((value(text) - expected).abs() < 1e-12, "{text} = {} and not {expected}", value(text));
+        assert!(
+            (value(text) - expected).abs() < 1e-12,
+            "{text} = {} and not {expected}",
+            value(text)
+        );
     }
 }
 
@@ -60,7 +66,9 @@ fn fractions_are_exact() {
     let Expr::Number(number) = model.expr(model.parameters[0].value) else { panic!("not folded") };
     assert_eq!(number.to_string(), "0");
     let model = model_with("m", "0.1058");
-    assert!(matches!(model.expr(model.parameters[0].value), Expr::Number(n) if n.to_string() == "529/5000"));
+    assert!(
+        matches!(model.expr(model.parameters[0].value), Expr::Number(n) if n.to_string() == "529/5000")
+    );
 }
 
 #[test]

@@ -9,7 +9,7 @@
 //! and in the crate: `shapebot_dynamics::include_model!("my_robot");`
 
 use crate::derive::{Derivation, Parameters, Quantity, prove, specialise};
-use crate::emit::{Documentation, Emission, EmittedNames, emit, emitted_names};
+use crate::emit::{Documentation, Emission, EmittedNames, collection, emit, emitted_names};
 use shapebot_model_dsl::{Diagnostic, model::Model, parse_bytes, render};
 use std::fmt;
 use std::io::{self, Write};
@@ -93,11 +93,30 @@ impl Build {
     pub fn generate(&self) -> Result<(), BuildError> {
         self.announce();
         let out_dir = self.destination()?;
-        for module in self.modules()? {
+        self.write_modules(&out_dir).map(|_| ())
+    }
+
+    /// As [`Build::generate`] with baked parameters, and writes `<name>.rs` that includes all modules
+    /// and defines `for_each_robot!`: nobody has to list the robots.
+    ///
+    /// # Errors
+    ///
+    /// As [`Build::generate`].
+    pub fn generate_collection(self, name: &str) -> Result<(), BuildError> {
+        let build = self.bake_parameters();
+        build.announce();
+        let out_dir = build.destination()?;
+        let modules = build.write_modules(&out_dir)?;
+        write_if_changed(&out_dir.join(format!("{name}.rs")), &collection(&modules))
+    }
+
+    fn write_modules(&self, out_dir: &Path) -> Result<Vec<Module>, BuildError> {
+        let modules = self.modules()?;
+        for module in &modules {
             warn(&module.warnings);
             write_if_changed(&out_dir.join(format!("{}.rs", module.stem)), &module.text)?;
         }
-        Ok(())
+        Ok(modules)
     }
 
     /// The modules, without writing anything.
@@ -132,7 +151,9 @@ impl Build {
                 let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
                 (stem.unwrap_or_default(), path.to_string_lossy().into_owned(), bytes)
             }
-            Source::Text { name, text } => (name.clone(), format!("{name}.robot"), text.clone().into_bytes()),
+            Source::Text { name, text } => {
+                (name.clone(), format!("{name}.robot"), text.clone().into_bytes())
+            }
         };
         module(&stem, &name, &bytes, self.bake)
     }
@@ -167,7 +188,10 @@ fn module(stem: &str, name: &str, bytes: &[u8], bake: bool) -> Result<Module, Bu
     let baked = bake.then(|| specialise(&model, &equations, &certificate, Parameters::Baked));
     let mut warnings = parsed.diagnostics;
     warnings.extend(certificate.warnings);
-    let warnings = warnings.iter().map(|warning| rendered(std::slice::from_ref(warning), name, &text)).collect();
+    let warnings = warnings
+        .iter()
+        .map(|warning| rendered(std::slice::from_ref(warning), name, &text))
+        .collect();
     Ok(Module { warnings, ..emitted(stem, &runtime, baked.as_ref()) })
 }
 
@@ -198,8 +222,9 @@ fn dimensions(model: &Model) -> [usize; 3] {
     [n, n_x, n - n_x]
 }
 
-fn documentation(_derivation: &Derivation) -> Documentation {
-    Documentation::default()
+fn documentation(derivation: &Derivation) -> Documentation {
+    let equations = crate::equations::to_text(derivation);
+    Documentation { equations, certificate: derivation.certificate.to_text() }
 }
 
 fn rendered(diagnostics: &[Diagnostic], name: &str, text: &str) -> String {
@@ -282,13 +307,17 @@ pub enum BuildError {
 impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Read { path, error } => write!(f, "cannot read the model {}: {error}", path.display()),
+            Self::Read { path, error } => {
+                write!(f, "cannot read the model {}: {error}", path.display())
+            }
             Self::Model { rendered, .. } => f.write_str(rendered.trim_end()),
             Self::Duplicate { module } => {
                 write!(f, "two models would make the module `{module}`: rename one of the files")
             }
             Self::Write { path, error } => write!(f, "cannot write {}: {error}", path.display()),
-            Self::NoOutDir => f.write_str("no output folder: run from a build script, or set `Build::out_dir`"),
+            Self::NoOutDir => {
+                f.write_str("no output folder: run from a build script, or set `Build::out_dir`")
+            }
             Self::Several(errors) => {
                 let texts: Vec<String> = errors.iter().map(Self::to_string).collect();
                 f.write_str(&texts.join("\n\n"))
@@ -299,7 +328,7 @@ impl fmt::Display for BuildError {
 
 impl fmt::Debug for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the robot was not generated\n\n{self}")
+        write!(f, "no robot was generated\n\n{self}")
     }
 }
 
@@ -309,5 +338,89 @@ impl std::error::Error for BuildError {
             Self::Read { error, .. } | Self::Write { error, .. } => Some(error),
             _ => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder that is removed again.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str) -> Self {
+            let path =
+                std::env::temp_dir().join(format!("shapebot-build-{name}-{}", std::process::id()));
+            std::fs::create_dir_all(&path).expect("a folder");
+            Self(path)
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
+    }
+
+    const CART: &str = "robot Cart {
+    params { m: kg = 1 in 0.1..10; }
+    position x: m;
+    kinetic 1/2*m*(d/dt(x))^2;
+    actuator f on d/dt(x);
+}";
+
+    #[test]
+    fn a_file_that_did_not_change_is_left_alone() {
+        let folder = Folder::new("unchanged");
+        let build = Build::new().text("cart", CART).out_dir(&folder.0);
+        build.generate().expect("generated");
+        let file = folder.0.join("cart.rs");
+        let long_ago = std::time::SystemTime::UNIX_EPOCH;
+        let handle = std::fs::File::options().write(true).open(&file).expect("there");
+        handle.set_modified(long_ago).expect("set");
+        build.generate().expect("generated");
+        assert_eq!(std::fs::metadata(&file).and_then(|m| m.modified()).expect("there"), long_ago);
+        let files = std::fs::read_dir(&folder.0).expect("there").count();
+        assert_eq!(files, 1, "nothing temporary stays");
+    }
+
+    #[test]
+    fn all_wrong_models_are_reported_at_once_with_their_places() {
+        let build = Build::new()
+            .text("first", "robot A {")
+            .text("second", "robot B { nonsense }")
+            .model("absent.robot");
+        let error = build.modules().expect_err("three errors");
+        let text = format!("{error:?}");
+        for part in [
+            "no robot was generated",
+            "first.robot:1",
+            "second.robot:1",
+            "cannot read the model absent.robot",
+        ] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
+    }
+
+    #[test]
+    fn two_models_of_one_name_are_refused() {
+        let error =
+            Build::new().text("a-b", CART).text("a_b", CART).modules().expect_err("one module");
+        assert!(error.to_string().contains("`a_b`"));
+    }
+
+    #[test]
+    fn a_collection_lists_what_it_includes() {
+        let folder = Folder::new("collection");
+        Build::new()
+            .text("cart", CART)
+            .out_dir(&folder.0)
+            .generate_collection("robots")
+            .expect("generated");
+        let list = std::fs::read_to_string(folder.0.join("robots.rs")).expect("written");
+        assert!(list.contains("include!(concat!(env!(\"OUT_DIR\"), \"/cart.rs\"));"));
+        assert!(list.contains("{ \"cart\", cart, Cart, CartBaked, 1, 1, 0 }"));
+        syn::parse_file(&list).expect("Rust");
     }
 }

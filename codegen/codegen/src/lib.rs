@@ -4,6 +4,7 @@
 pub mod build;
 pub mod derive;
 pub mod emit;
+pub mod equations;
 pub mod proof;
 
 pub use build::{Build, BuildError, Module};

@@ -40,7 +40,9 @@ macro_rules! with_interpreted {
 /// # Errors
 ///
 /// [`Error::NotShapeAccelerated`](crate::Error::NotShapeAccelerated).
-pub fn sizes<T: shapebot_dynamics::Real>(tapes: &crate::Tapes<T>) -> Result<(usize, usize), crate::Error> {
+pub fn sizes<T: shapebot_dynamics::Real>(
+    tapes: &crate::Tapes<T>,
+) -> Result<(usize, usize), crate::Error> {
     let description = tapes.description();
     if !tapes.has(shapebot_codegen::derive::Quantity::Response) {
         return Err(crate::Error::NotShapeAccelerated { model: description.name.to_owned() });

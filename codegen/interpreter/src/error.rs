@@ -4,7 +4,7 @@ use shapebot_codegen::derive::Quantity;
 use std::fmt;
 
 /// Why a model cannot be interpreted, or a function not evaluated.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
     /// A list has the wrong length.
@@ -23,6 +23,24 @@ pub enum Error {
     NotShapeAccelerated {
         /// The model's name.
         model: String,
+    },
+    /// A parameter's value is not finite or not in its range.
+    OutOfRange {
+        /// The parameter.
+        name: String,
+        /// Its unit.
+        unit: String,
+        /// What was given.
+        value: f64,
+        /// Smallest allowed value.
+        lower: f64,
+        /// Largest allowed value.
+        upper: f64,
+    },
+    /// Parameter values break a `require` of the model.
+    Requirement {
+        /// Its text.
+        text: String,
     },
     /// No instance of the planner was compiled for this number of position and shape variables.
     UnsupportedDimensions {
@@ -43,6 +61,14 @@ impl fmt::Display for Error {
             Self::NotShapeAccelerated { model } => {
                 write!(f, "`{model}` is not shape-accelerated, so there is no Γ to plan with")
             }
+            Self::OutOfRange { name, value, .. } if !value.is_finite() => {
+                write!(f, "parameter `{name}` is {value}, which is not finite")
+            }
+            Self::OutOfRange { name, unit, value, lower, upper } => write!(
+                f,
+                "parameter `{name}` = {value} {unit} is outside of its range {lower} to {upper} {unit}"
+            ),
+            Self::Requirement { text } => write!(f, "the parameters break `{text}`"),
             Self::UnsupportedDimensions { positions, shapes } => write!(
                 f,
                 "no planner for {positions} position and {shapes} shape variables: the tool is \

@@ -55,7 +55,7 @@ impl<const N: usize, const NX: usize, const NS: usize, T: Real> Interpreted<N, N
     }
 
     fn vector<const L: usize>(&self, quantity: Quantity, state: &State<'_, T>) -> SVector<T, L> {
-        let mut vector = SVector::from_element(zero());
+        let mut vector = SVector::<T, L>::from_element(zero());
         self.tapes.visit(quantity, state, |i, value| put(vector.as_mut_slice(), i, value));
         vector
     }
@@ -65,7 +65,7 @@ impl<const N: usize, const NX: usize, const NS: usize, T: Real> Interpreted<N, N
         quantity: Quantity,
         state: &State<'_, T>,
     ) -> SMatrix<T, R, C> {
-        let mut matrix = SMatrix::from_element(zero());
+        let mut matrix = SMatrix::<T, R, C>::from_element(zero());
         self.tapes.visit(quantity, state, |i, value| put_row_major(&mut matrix, i, value));
         matrix
     }
@@ -191,8 +191,8 @@ impl<const N: usize, const NX: usize, const NS: usize, T: Real> LagrangianSystem
 
     fn motion(&self, q: &SVector<T, N>, qd: &SVector<T, N>) -> Motion<T, N> {
         let mut mass_matrix = SMatrix::from_element(zero());
-        let mut coriolis_vector = SVector::from_element(zero());
-        let mut gravity = SVector::from_element(zero());
+        let mut coriolis_vector = SVector::<T, N>::from_element(zero());
+        let mut gravity = SVector::<T, N>::from_element(zero());
         let square = N * N;
         self.tapes.visit(Quantity::Motion, &moving(q, qd), |i, value| {
             if i < square {
@@ -247,7 +247,8 @@ impl<const N: usize, const NX: usize, const NS: usize, T: Real> ShapeAccelerated
         qsd: &SVector<T, NS>,
         qsdd: &SVector<T, NS>,
     ) -> SVector<T, NX> {
-        let (q, qd, qdd) = (padded::<N, NS, T>(qs), padded::<N, NS, T>(qsd), padded::<N, NS, T>(qsdd));
+        let (q, qd, qdd) =
+            (padded::<N, NS, T>(qs), padded::<N, NS, T>(qsd), padded::<N, NS, T>(qsdd));
         self.vector(Quantity::Gamma, &State { qdd: qdd.as_slice(), ..moving(&q, &qd) })
     }
 
@@ -269,9 +270,10 @@ impl<const N: usize, const NX: usize, const NS: usize, T: Real> ShapeAccelerated
         qsd: &SVector<T, NS>,
         qsdd: &SVector<T, NS>,
     ) -> Response<T, NX, NS> {
-        let (q, qd, qdd) = (padded::<N, NS, T>(qs), padded::<N, NS, T>(qsd), padded::<N, NS, T>(qsdd));
+        let (q, qd, qdd) =
+            (padded::<N, NS, T>(qs), padded::<N, NS, T>(qsd), padded::<N, NS, T>(qsdd));
         let state = State { qdd: qdd.as_slice(), ..moving(&q, &qd) };
-        let mut gamma = SVector::from_element(zero());
+        let mut gamma = SVector::<T, NX>::from_element(zero());
         let mut jacobians = [SMatrix::from_element(zero()); 3];
         self.tapes.visit(Quantity::Response, &state, |i, value| match i.checked_sub(NX) {
             None => gamma[i] = value,

@@ -16,11 +16,15 @@ mod describe;
 mod dispatch;
 mod error;
 mod interpreted;
+mod parameters;
 mod tape;
 mod tapes;
+#[cfg(test)]
+mod tests;
 
 pub use dispatch::sizes;
 pub use error::Error;
 pub use interpreted::Interpreted;
+pub use parameters::check_parameters;
 pub use tape::State;
 pub use tapes::{Block, Tapes};

@@ -124,7 +124,12 @@ impl<T: Real> Tapes<T> {
 
     /// Evaluates a function and hands each result with its position to `emit`; without such a function
     /// nothing is emitted. Missing inputs count as not a number.
-    pub(crate) fn visit(&self, quantity: Quantity, state: &State<'_, T>, emit: impl FnMut(usize, T)) {
+    pub(crate) fn visit(
+        &self,
+        quantity: Quantity,
+        state: &State<'_, T>,
+        emit: impl FnMut(usize, T),
+    ) {
         if let Some(function) = self.functions.get(&quantity) {
             function.tape.run(state, emit);
         }

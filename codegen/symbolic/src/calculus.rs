@@ -142,15 +142,17 @@ fn rebuild_node(graph: &mut Graph, node: &Node, image: &dyn Fn(Id) -> Id) -> Id 
 /// All values that `ids` need, operands first, without those for which `stop` holds.
 #[must_use]
 pub fn needed(graph: &Graph, ids: &[Id], stop: impl Fn(Id) -> bool) -> Vec<Id> {
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = vec![false; ids.iter().map(|id| id.index() + 1).max().unwrap_or(0)];
     let mut stack: Vec<Id> = ids.to_vec();
+    let mut order = Vec::new();
     while let Some(id) = stack.pop() {
-        if stop(id) || !seen.insert(id) {
+        if seen[id.index()] || stop(id) {
             continue;
         }
+        seen[id.index()] = true;
+        order.push(id);
         stack.extend(graph.node(id).operands().into_iter().flatten());
     }
-    let mut order: Vec<Id> = seen.into_iter().collect();
     // Operands have smaller indices than the nodes that use them.
     order.sort_unstable();
     order

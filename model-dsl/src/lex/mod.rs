@@ -4,12 +4,16 @@ mod names;
 pub(crate) mod number;
 pub(crate) mod scan;
 
+use crate::Span;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Sink};
-use crate::Span;
 use number::{BadNumber, Literal};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use std::str::FromStr;
+use unicode_normalization::UnicodeNormalization;
+
+/// Longest name.
+const LONGEST_NAME: usize = 120;
 
 /// What a token is.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +66,8 @@ fn unreadable(text: &str, at: usize) -> Diagnostic {
     let at = at.min(text.len());
     let c = text.get(at..).and_then(|t| t.chars().next());
     let span = Span::new(at, at + c.map_or(0, char::len_utf8));
-    Diagnostic::error(codes::E0004, span, "this cannot be read as a token").label("reading stopped here")
+    Diagnostic::error(codes::E0004, span, "this cannot be read as a token")
+        .label("reading stopped here")
 }
 
 struct Flattener<'a> {
@@ -91,7 +96,9 @@ impl Flattener<'_> {
                     let close = Token { kind: Kind::Close(end), span: to };
                     stack.push((group.stream().into_iter().peekable(), Some(close)));
                 }
-                TokenTree::Punct(punct) if punct.as_char() == '#' && self.is_comment(self.span(punct.span())) => {
+                TokenTree::Punct(punct)
+                    if punct.as_char() == '#' && self.is_comment(self.span(punct.span())) =>
+                {
                     let span = self.span(punct.span());
                     // The attribute that the lexer makes of the comment: `!` and `[doc = "…"]`.
                     if matches!(iter.peek(), Some(TokenTree::Punct(p)) if p.as_char() == '!') {
@@ -123,7 +130,8 @@ impl Flattener<'_> {
         let text = self.source(span);
         let inner = text.starts_with("//!") || text.starts_with("/*!");
         let body = text.get(3..).unwrap_or("");
-        let body = if text.starts_with("/*") { body.strip_suffix("*/").unwrap_or(body) } else { body };
+        let body =
+            if text.starts_with("/*") { body.strip_suffix("*/").unwrap_or(body) } else { body };
         let body = body.strip_prefix(' ').unwrap_or(body).trim_end().to_owned();
         self.tokens.push(Token { kind: Kind::Doc { text: body, inner }, span });
     }
@@ -141,16 +149,28 @@ impl Flattener<'_> {
     fn ident(&mut self, span: Span) -> Kind {
         let text = self.source(span);
         let diagnostic = match names::ascii(text) {
-            Ok(_) if text.starts_with("r#") => {
-                Diagnostic::error(codes::E0008, span, "raw identifiers are not part of the language")
-            }
+            Ok(_) if text.starts_with("r#") => Diagnostic::error(
+                codes::E0008,
+                span,
+                "raw identifiers are not part of the language",
+            ),
+            Ok(name) if name.len() > LONGEST_NAME => Diagnostic::error(
+                codes::E0008,
+                span,
+                format!("a name has at most {LONGEST_NAME} characters"),
+            ),
             Ok(name) => return Kind::Ident(name),
             Err(c) => {
-                let marked = unicode_normalization::char::is_combining_mark(c);
-                Diagnostic::error(codes::E0008, span, format!("`{c}` in a name has no ASCII spelling"))
-                    .label("names are Latin letters, digits, `_` and Greek letters")
-                    .note("the names of a model become names of Rust fields and command line options")
-                    .maybe_help(marked.then(|| "a time derivative is written `d/dt(q)`".to_owned()))
+                let marked =
+                    std::iter::once(c).nfd().any(unicode_normalization::char::is_combining_mark);
+                Diagnostic::error(
+                    codes::E0008,
+                    span,
+                    format!("`{c}` in a name has no ASCII spelling"),
+                )
+                .label("names are Latin letters, digits, `_` and Greek letters")
+                .note("the names of a model become names of Rust fields and command line options")
+                .maybe_help(marked.then(|| "a time derivative is written `d/dt(q)`".to_owned()))
             }
         };
         self.sink.push(diagnostic);
@@ -163,10 +183,16 @@ impl Flattener<'_> {
             Err(error) => error,
         };
         let (code, title, help) = match error {
-            BadNumber::TooLong => (codes::E0007, "this number has too many digits", "200 digits are the limit"),
-            BadNumber::ExponentTooLarge => (codes::E0007, "this number's exponent is too large", "write at most e400"),
+            BadNumber::TooLong => {
+                (codes::E0007, "this number has too many digits", "200 digits are the limit")
+            }
+            BadNumber::ExponentTooLarge => {
+                (codes::E0007, "this number's exponent is too large", "write at most e400")
+            }
             BadNumber::Radix => (codes::E0007, "numbers are decimal", "write it in decimal digits"),
-            BadNumber::NotANumber => (codes::E0009, "this literal is not part of the language", "write a number"),
+            BadNumber::NotANumber => {
+                (codes::E0009, "this literal is not part of the language", "write a number")
+            }
         };
         self.sink.push(Diagnostic::error(code, span, title).help(help));
         Kind::Bad

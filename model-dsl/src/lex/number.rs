@@ -91,7 +91,10 @@ mod tests {
     #[test]
     fn suffixes_are_units_not_exponents() {
         let degrees = parse("80deg").unwrap();
-        assert_eq!((degrees.value, degrees.suffix.as_deref(), degrees.digits), (ratio(80, 1), Some("deg"), 2));
+        assert_eq!(
+            (degrees.value, degrees.suffix.as_deref(), degrees.digits),
+            (ratio(80, 1), Some("deg"), 2)
+        );
         assert_eq!(parse("5eV").unwrap().suffix.as_deref(), Some("eV"));
     }
 
@@ -104,7 +107,15 @@ mod tests {
 
     #[test]
     fn the_nearest_double_is_what_rust_reads() {
-        for text in ["0.1058", "9.81", "0.18415", "1e-7", "123456789.123456789", "0.3", "2.2250738585072014e-308"] {
+        for text in [
+            "0.1058",
+            "9.81",
+            "0.18415",
+            "1e-7",
+            "123456789.123456789",
+            "0.3",
+            "2.2250738585072014e-308",
+        ] {
             let ours = parse(text).unwrap().value.to_f64().unwrap();
             assert_eq!(ours.to_bits(), text.parse::<f64>().unwrap().to_bits(), "{text}");
         }

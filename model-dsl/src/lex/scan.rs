@@ -3,12 +3,15 @@
 //! Nothing here recurses. Characters with an obvious meaning are replaced by their ASCII spelling of
 //! the same length in bytes, so that later stages report the other errors of the file as well.
 
+use crate::Span;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Sink};
-use crate::Span;
 
 /// Deepest nesting of brackets.
 pub(crate) const MAX_DEPTH: usize = 256;
+
+/// Most tokens of a file, so that even nonsense is answered within a second or two.
+const MAX_TOKENS: usize = 400_000;
 
 /// Outcome of the scan.
 pub(crate) struct Scan {
@@ -23,15 +26,27 @@ struct Scanner<'a> {
     out: String,
     open: Vec<(char, usize)>,
     balanced: bool,
+    tokens: usize,
+    in_word: bool,
     sink: &'a mut Sink,
 }
 
 /// Looks at every character once.
 pub(crate) fn scan(text: &str, sink: &mut Sink) -> Scan {
-    let mut scanner = Scanner { text, out: String::with_capacity(text.len()), open: Vec::new(), balanced: true, sink };
-    let mut at = 0;
+    let mut scanner = Scanner {
+        text,
+        out: String::with_capacity(text.len()),
+        open: Vec::new(),
+        balanced: true,
+        tokens: 0,
+        in_word: false,
+        sink,
+    };
+    // A byte order mark at the very start is how some editors say UTF-8.
+    let mut at = if text.starts_with('\u{feff}') { scanner.keep(0, 3) } else { 0 };
     while let Some(c) = text[at..].chars().next() {
         let end = scanner.step(at, c);
+        scanner.count(at, c);
         if !scanner.balanced {
             break;
         }
@@ -68,6 +83,26 @@ impl Scanner<'_> {
         }
     }
 
+    /// Counts tokens roughly: every word, number and sign.
+    fn count(&mut self, at: usize, c: char) {
+        let word = c.is_alphanumeric() || c == '_';
+        let begins = if word { !self.in_word } else { !c.is_whitespace() };
+        self.in_word = word;
+        self.tokens += usize::from(begins);
+        if self.tokens > MAX_TOKENS && self.balanced {
+            self.balanced = false;
+            self.sink.push(
+                Diagnostic::error(
+                    codes::E0002,
+                    Span::new(at, at + c.len_utf8()),
+                    "the file is too large",
+                )
+                .label(format!("token number {MAX_TOKENS}"))
+                .help("a robot with many like parts is written with `component` and `repeat`"),
+            );
+        }
+    }
+
     fn keep(&mut self, from: usize, to: usize) -> usize {
         self.out.push_str(&self.text[from..to]);
         to
@@ -85,9 +120,13 @@ impl Scanner<'_> {
         let span = Span::new(at, at + c.len_utf8());
         let shown = if c.is_control() { format!("U+{:04X}", c as u32) } else { format!("`{c}`") };
         self.sink.push(
-            Diagnostic::error(codes::E0004, span, format!("{shown} is no character of the language"))
-                .label(verdict.what)
-                .maybe_help((!verdict.help.is_empty()).then(|| verdict.help.to_owned())),
+            Diagnostic::error(
+                codes::E0004,
+                span,
+                format!("{shown} is no character of the language"),
+            )
+            .label(verdict.what)
+            .maybe_help((!verdict.help.is_empty()).then(|| verdict.help.to_owned())),
         );
     }
 
@@ -96,9 +135,13 @@ impl Scanner<'_> {
         if self.open.len() > MAX_DEPTH {
             self.balanced = false;
             self.sink.push(
-                Diagnostic::error(codes::E0005, Span::new(at, at + 1), format!("more than {MAX_DEPTH} nested brackets"))
-                    .label("this bracket is too deep")
-                    .help("name parts of the expression with `let`"),
+                Diagnostic::error(
+                    codes::E0005,
+                    Span::new(at, at + 1),
+                    format!("more than {MAX_DEPTH} nested brackets"),
+                )
+                .label("this bracket is too deep")
+                .help("name parts of the expression with `let`"),
             );
         }
     }
@@ -111,7 +154,9 @@ impl Scanner<'_> {
                 self.sink.push(
                     Diagnostic::error(codes::E0006, here, format!("`{c}` closes nothing"))
                         .label("no bracket is open here")
-                        .help(format!("remove the `{c}`, or look for a bracket closed too early before it")),
+                        .help(format!(
+                            "remove the `{c}`, or look for a bracket closed too early before it"
+                        )),
                 );
             }
             Some((o, from)) if partner(o) != c => {
@@ -134,9 +179,13 @@ impl Scanner<'_> {
         if let Some((o, from)) = self.open.pop() {
             self.balanced = false;
             self.sink.push(
-                Diagnostic::error(codes::E0006, Span::new(from, from + 1), format!("`{o}` is never closed"))
-                    .label("opened here")
-                    .help(format!("add the missing `{}`", partner(o))),
+                Diagnostic::error(
+                    codes::E0006,
+                    Span::new(from, from + 1),
+                    format!("`{o}` is never closed"),
+                )
+                .label("opened here")
+                .help(format!("add the missing `{}`", partner(o))),
             );
         }
     }
@@ -152,9 +201,13 @@ impl Scanner<'_> {
                 None => {
                     self.balanced = false;
                     self.sink.push(
-                        Diagnostic::error(codes::E0006, Span::new(at, at + 2), "this comment is never closed")
-                            .label("opened here")
-                            .help("add the missing `*/`"),
+                        Diagnostic::error(
+                            codes::E0006,
+                            Span::new(at, at + 2),
+                            "this comment is never closed",
+                        )
+                        .label("opened here")
+                        .help("add the missing `*/`"),
                     );
                     return self.text.len();
                 }
@@ -172,7 +225,8 @@ impl Scanner<'_> {
                 .label("text in quotes")
                 .help("documentation goes into `///` comments"),
         );
-        self.replace("", end)
+        // A zero fits wherever a value is expected.
+        self.replace("0", end)
     }
 }
 
@@ -196,20 +250,32 @@ fn judge(c: char) -> Option<Verdict> {
     match c {
         '\t' | '\n' | '\r' => None,
         '\\' | '`' => verdict("stray character", "remove it", ""),
-        '\'' | '′' | '’' | '‘' => verdict("a prime", "a time derivative is written `d/dt(q)`", ""),
+        '\'' | '′' | '’' | '‘' => {
+            verdict("a prime", "a time derivative is written `d/dt(q)`", "")
+        }
         ' '..='~' => None,
         '²' => verdict("a raised digit", "write the exponent as `^2`", "^2"),
         '³' => verdict("a raised digit", "write the exponent as `^3`", "^3"),
-        '¹' | '⁰' | '⁴'..='⁹' | '⁻' | '⁺' => verdict("a raised digit", "write exponents with `^`, as in `x^4`", ""),
+        '¹' | '⁰' | '⁴'..='⁹' | '⁻' | '⁺' => {
+            verdict("a raised digit", "write exponents with `^`, as in `x^4`", "")
+        }
         '₀'..='₉' => verdict("a lowered digit", "write `q_1` for q with an index", "_"),
-        '½' | '¼' | '¾' | '⅓' => verdict("a fraction in one character", "write `1/2`; numbers are exact", "1"),
-        '·' | '×' | '⋅' | '∙' | '•' | '∗' | '⨯' => verdict("a multiplication sign", "write `*`", "*"),
+        '½' | '¼' | '¾' | '⅓' => {
+            verdict("a fraction in one character", "write `1/2`; numbers are exact", "1")
+        }
+        '·' | '×' | '⋅' | '∙' | '•' | '∗' | '⨯' => {
+            verdict("a multiplication sign", "write `*`", "*")
+        }
         '÷' => verdict("a division sign", "write `/`", "/"),
-        '−' | '–' | '—' => verdict("a minus sign that is not the ASCII one", "write `-`", "-"),
+        '−' | '–' | '—' => {
+            verdict("a minus sign that is not the ASCII one", "write `-`", "-")
+        }
         '°' => verdict("a degree sign", "write degrees as `80deg`", ""),
         '″' | '“' | '”' => verdict("a quote", "", ""),
         '√' => verdict("a root sign", "write `sqrt(x)`", ""),
-        '∂' => verdict("a partial derivative", "the total time derivative is written `d/dt(q)`", ""),
+        '∂' => {
+            verdict("a partial derivative", "the total time derivative is written `d/dt(q)`", "")
+        }
         '≤' => verdict("a comparison", "write `<=`", "<="),
         '≥' => verdict("a comparison", "write `>=`", ">="),
         '∈' => verdict("an element sign", "a range is written `in a..b`", "in"),

@@ -1,12 +1,12 @@
 //! Expressions: a Pratt parser whose chains of equal precedence are flat lists.
 
 use super::{Parse, Parser, Reported};
+use crate::Span;
 use crate::ast::{Expr, ExprKind, Loop, Name, Postfix};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::lex::Kind;
 use crate::lex::scan::MAX_DEPTH;
-use crate::Span;
 
 /// Binding powers, weakest first. `-x^2` is `-(x^2)`, `2^-x` is allowed.
 const SUM: u8 = 1;
@@ -22,7 +22,8 @@ impl Parser<'_> {
     /// An expression, or the error node after a report; does not skip anything.
     fn binding(&mut self, least: u8) -> Parse<Expr> {
         self.depth += 1;
-        let result = if self.depth > 2 * MAX_DEPTH { Err(self.too_deep()) } else { self.climb(least) };
+        let result =
+            if self.depth > 2 * MAX_DEPTH { Err(self.too_deep()) } else { self.climb(least) };
         self.depth -= 1;
         result
     }
@@ -69,7 +70,11 @@ impl Parser<'_> {
         }
         let operand = self.binding(SIGN)?;
         let span = start.to(operand.span);
-        Ok(if negative { Expr { kind: ExprKind::Neg(Box::new(operand)), span } } else { Expr { span, ..operand } })
+        Ok(if negative {
+            Expr { kind: ExprKind::Neg(Box::new(operand)), span }
+        } else {
+            Expr { span, ..operand }
+        })
     }
 
     fn primary(&mut self) -> Parse<Expr> {
@@ -90,7 +95,10 @@ impl Parser<'_> {
             Kind::Open('(') => {
                 self.advance();
                 let inner = self.expr()?;
-                self.close(')', "after the value in parentheses (or an operator and another argument)")?;
+                self.close(
+                    ')',
+                    "after the value in parentheses (or an operator and another argument)",
+                )?;
                 Ok(Expr { kind: inner.kind, span: self.since(span) })
             }
             Kind::Open('[') => {
@@ -135,7 +143,10 @@ impl Parser<'_> {
 
     fn derivative(&mut self, start: Span) -> Parse<Expr> {
         if *self.peek_at(1) == Kind::Punct('^') {
-            let span = start.to(self.tokens[self.at + 4].span);
+            // `d^2/dt^2`, or what of it is there.
+            let last = if *self.peek_at(5) == Kind::Punct('^') { 6 } else { 4 };
+            let last = (self.at + last).min(self.tokens.len() - 1);
+            let span = start.to(self.tokens[last].span);
             self.sink.push(
                 Diagnostic::error(codes::E0108, span, "a Lagrangian holds no second time derivatives")
                     .label("second derivative")
@@ -148,9 +159,13 @@ impl Parser<'_> {
         if *self.peek() != Kind::Open('(') {
             let span = self.since(start);
             self.sink.push(
-                Diagnostic::error(codes::E0108, span, "`d/dt` needs parentheses around what it differentiates")
-                    .label("derivative of what?")
-                    .help("write `d/dt(theta)`"),
+                Diagnostic::error(
+                    codes::E0108,
+                    span,
+                    "`d/dt` needs parentheses around what it differentiates",
+                )
+                .label("derivative of what?")
+                .help("write `d/dt(theta)`"),
             );
             return Err(Reported);
         }
@@ -186,7 +201,11 @@ impl Parser<'_> {
         if self.eat_puncts("..=") {
             return Ok(true);
         }
-        if self.eat_puncts("..") { Ok(false) } else { Err(self.expected("`..` between the ends of the range")) }
+        if self.eat_puncts("..") {
+            Ok(false)
+        } else {
+            Err(self.expected("`..` between the ends of the range"))
+        }
     }
 
     /// A bracketed list with commas; a trailing one is allowed.

@@ -1,15 +1,16 @@
 //! Flat tokens to a syntax tree. A broken statement is skipped to its `;` and the rest is read.
 
+mod declare;
 mod expr;
 mod statement;
 mod unit;
 
+use crate::Span;
 use crate::ast::{Name, Robot};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::lex::{Kind, Token};
 pub(crate) use statement::KEYWORDS;
-use crate::Span;
 
 /// The error has been reported.
 #[derive(Debug)]
@@ -66,7 +67,8 @@ impl Parser<'_> {
     fn is_puncts(&self, text: &str) -> bool {
         text.chars().enumerate().all(|(i, c)| {
             *self.peek_at(i) == Kind::Punct(c)
-                && (i == 0 || self.tokens[self.at + i].span.start == self.tokens[self.at + i - 1].span.end)
+                && (i == 0
+                    || self.tokens[self.at + i].span.start == self.tokens[self.at + i - 1].span.end)
         })
     }
 
@@ -111,11 +113,19 @@ impl Parser<'_> {
     }
 
     fn open(&mut self, c: char, after: &str) -> Parse<()> {
-        if self.eat(&Kind::Open(c)) { Ok(()) } else { Err(self.expected(&format!("`{c}` {after}"))) }
+        if self.eat(&Kind::Open(c)) {
+            Ok(())
+        } else {
+            Err(self.expected(&format!("`{c}` {after}")))
+        }
     }
 
     fn close(&mut self, c: char, after: &str) -> Parse<()> {
-        if self.eat(&Kind::Close(c)) { Ok(()) } else { Err(self.expected(&format!("`{c}` {after}"))) }
+        if self.eat(&Kind::Close(c)) {
+            Ok(())
+        } else {
+            Err(self.expected(&format!("`{c}` {after}")))
+        }
     }
 
     fn name(&mut self, what: &str) -> Parse<Name> {
@@ -146,24 +156,38 @@ impl Parser<'_> {
             return Reported;
         }
         let after_operand = self.at > 0
-            && matches!(self.tokens[self.at - 1].kind, Kind::Ident(_) | Kind::Number(_) | Kind::Close(')' | ']'));
-        let before_operand = matches!(self.peek(), Kind::Ident(_) | Kind::Number(_) | Kind::Open('('));
-        let same_line = what.contains("statement") || what.contains("after the value") || what.contains("argument");
-        if after_operand && before_operand && same_line && !self.at_keyword() && !self.on_new_line() {
+            && matches!(
+                self.tokens[self.at - 1].kind,
+                Kind::Ident(_) | Kind::Number(_) | Kind::Close(')' | ']')
+            );
+        let before_operand =
+            matches!(self.peek(), Kind::Ident(_) | Kind::Number(_) | Kind::Open('('));
+        let same_line = what.contains("statement")
+            || what.contains("after the value")
+            || what.contains("argument");
+        if after_operand && before_operand && same_line && !self.at_keyword() && !self.on_new_line()
+        {
             return self.missing_operator();
         }
-        let (span, help) = (self.span(), self.hint(what));
+        let (span, help) = (self.span(), self.hint());
         let title = format!("expected {what}, found {}", self.found());
-        self.sink.push(Diagnostic::error(codes::E0101, span, title).label("not expected here").maybe_help(help));
+        self.sink.push(
+            Diagnostic::error(codes::E0101, span, title)
+                .label("not expected here")
+                .maybe_help(help),
+        );
         Reported
     }
 
-    fn hint(&self, what: &str) -> Option<String> {
-        if what.starts_with("`;`") && (self.on_new_line() || self.at_keyword() || matches!(self.peek(), Kind::Close('}') | Kind::Doc { .. })) {
-            return Some("end the statement before with `;`".to_owned());
-        }
-        if self.is_puncts("==") {
+    fn hint(&self) -> Option<String> {
+        if self.is_puncts("==") || (self.is_punct('=') && self.before_is('=')) {
             return Some("a definition is written with one `=`".to_owned());
+        }
+        if self.is_puncts("..") {
+            return Some("a range stands behind `in`, as in `in -90deg..90deg`".to_owned());
+        }
+        if self.is_punct('.') && matches!(self.peek_at(1), Kind::Number(_)) {
+            return Some("write the zero before the point, as in `0.5`".to_owned());
         }
         if self.is_puncts("**") || (self.is_punct('*') && self.before_is('*')) {
             return Some("a power is written `x^2`".to_owned());
@@ -188,9 +212,17 @@ impl Parser<'_> {
     fn missing_operator(&mut self) -> Reported {
         let (left, right) = (self.before(), self.span());
         let (a, b) = (self.text_of(self.at - 1), self.text_of(self.at));
-        let diagnostic = Diagnostic::error(codes::E0104, left.to(right), "an operator is missing between two factors")
-            .label("every product is written out")
-            .help(if b == "(" { format!("write `{a}*(…)`") } else { format!("write `{a}*{b}`") });
+        let diagnostic = Diagnostic::error(
+            codes::E0104,
+            left.to(right),
+            "an operator is missing between two factors",
+        )
+        .label("every product is written out")
+        .help(if b == "(" {
+            format!("write `{a}*(…)`")
+        } else {
+            format!("write `{a}*{b}`")
+        });
         self.sink.push(diagnostic);
         Reported
     }
@@ -215,8 +247,12 @@ impl Parser<'_> {
             if *inner && !inner_wanted {
                 let span = self.span();
                 self.sink.push(
-                    Diagnostic::error(codes::E0107, span, "`//!` documents the whole file and stands at its top")
-                        .help("document a statement with `///`"),
+                    Diagnostic::error(
+                        codes::E0107,
+                        span,
+                        "`//!` documents the whole file and stands at its top",
+                    )
+                    .help("document a statement with `///`"),
                 );
             } else {
                 lines.push(text.clone());
@@ -254,8 +290,12 @@ impl Parser<'_> {
         let diagnostic = if *self.peek() == Kind::End {
             Diagnostic::error(codes::E0003, span, "the file holds no robot")
         } else {
-            Diagnostic::error(codes::E0102, span, format!("a model begins with `robot`, found {}", self.found()))
-                .label("expected `robot Name {`")
+            Diagnostic::error(
+                codes::E0102,
+                span,
+                format!("a model begins with `robot`, found {}", self.found()),
+            )
+            .label("expected `robot Name {`")
         };
         self.sink.push(diagnostic.help("write `robot Name { … }`"));
         Reported

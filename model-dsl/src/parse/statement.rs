@@ -1,18 +1,36 @@
 //! Statements of a robot, a component or a repetition.
 
 use super::{Parse, Parser, Reported};
+use crate::Span;
 use crate::ast::*;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::lex::Kind;
 use crate::model::{Axis, Comparison};
 use crate::suggest::closest;
-use crate::Span;
 
 /// Words that begin a statement.
 pub(crate) const KEYWORDS: &[&str] = &[
-    "params", "position", "shape", "let", "const", "frame", "kinetic", "potential", "lagrangian", "dissipation",
-    "rigid", "gravity", "component", "repeat", "actuator", "output", "point", "friction", "require", "robot",
+    "params",
+    "position",
+    "shape",
+    "let",
+    "const",
+    "frame",
+    "kinetic",
+    "potential",
+    "lagrangian",
+    "dissipation",
+    "rigid",
+    "gravity",
+    "component",
+    "repeat",
+    "actuator",
+    "output",
+    "point",
+    "friction",
+    "require",
+    "robot",
 ];
 
 impl Parser<'_> {
@@ -39,7 +57,7 @@ impl Parser<'_> {
     }
 
     /// Skips to behind the `;` or before the `}` that ends the statement.
-    fn recover(&mut self, from: usize) {
+    pub(super) fn recover(&mut self, from: usize) {
         // Brackets opened by the broken statement are still open: begin again at its start.
         let reached = self.at;
         self.at = from;
@@ -62,7 +80,11 @@ impl Parser<'_> {
                     return;
                 }
                 // A statement without its `;`: go on at the next keyword on a line of its own.
-                Kind::Ident(_) if depth == 0 && self.at > from && self.at >= reached && self.at_keyword() => return,
+                Kind::Ident(_)
+                    if depth == 0 && self.at > from && self.at >= reached && self.at_keyword() =>
+                {
+                    return;
+                }
                 _ => {}
             }
             self.advance();
@@ -124,21 +146,39 @@ impl Parser<'_> {
             }
             _ => self.require()?,
         };
-        self.end_of_statement();
-        Ok(Some(kind))
+        if self.end_of_statement() {
+            return Ok(Some(kind));
+        }
+        Ok(without_values(kind))
     }
 
-    /// The `;`. If it is missing the statement is kept, so that its names are known.
-    fn end_of_statement(&mut self) {
+    /// The `;`. Returns whether the statement before was complete; it is if only the `;` is missing at
+    /// the end of its line.
+    pub(super) fn end_of_statement(&mut self) -> bool {
         if self.eat_punct(';') {
-            return;
+            return true;
         }
         let from = self.at;
-        let new_line = self.on_new_line();
-        let Reported = self.expected("`;` after the statement");
-        if !self.at_keyword() && !new_line {
-            self.recover(from);
+        if self.on_new_line()
+            || self.at_keyword()
+            || matches!(self.peek(), Kind::Close('}') | Kind::End)
+        {
+            let span = self.before();
+            let found = self.found();
+            self.sink.push(
+                Diagnostic::error(
+                    codes::E0101,
+                    span,
+                    format!("expected `;` after the statement, found {found}"),
+                )
+                .label("`;` is missing behind this")
+                .help("end every statement with `;`"),
+            );
+            return true;
         }
+        let Reported = self.expected("`;` after the statement");
+        self.recover(from);
+        false
     }
 
     /// `= expr`; a broken expression still defines the name.
@@ -151,7 +191,8 @@ impl Parser<'_> {
         }
         self.at = from;
         let mut depth = 0_usize;
-        while !(depth == 0 && matches!(self.peek(), Kind::Punct(';') | Kind::Close(_) | Kind::End)) {
+        while !(depth == 0 && matches!(self.peek(), Kind::Punct(';') | Kind::Close(_) | Kind::End))
+        {
             match self.peek() {
                 Kind::Open(_) => depth += 1,
                 Kind::Close(_) => depth -= 1,
@@ -167,7 +208,7 @@ impl Parser<'_> {
         if self.eat_word(word) { Ok(()) } else { Err(self.expected(&format!("`{word}` {after}"))) }
     }
 
-    fn indexed_name(&mut self, what: &str) -> Parse<IndexedName> {
+    pub(super) fn indexed_name(&mut self, what: &str) -> Parse<IndexedName> {
         let name = self.name(what)?;
         let mut index = None;
         if self.eat(&Kind::Open('[')) {
@@ -185,104 +226,6 @@ impl Parser<'_> {
         Reported
     }
 
-    fn params(&mut self) -> Parse<StatementKind> {
-        self.open('{', "after `params`")?;
-        let mut list = Vec::new();
-        loop {
-            let docs = self.docs(false);
-            if matches!(self.peek(), Kind::Close('}') | Kind::End) {
-                break;
-            }
-            if self.eat_punct(';') {
-                continue;
-            }
-            let from = self.at;
-            match self.parameter(docs) {
-                Ok(parameter) => {
-                    list.push(parameter);
-                    self.end_of_statement();
-                }
-                Err(Reported) => {
-                    self.keep_broken_parameter(from, &mut list);
-                    self.recover(from);
-                }
-            }
-        }
-        self.close('}', "after the parameters")?;
-        Ok(StatementKind::Params(list))
-    }
-
-    /// Declares the name of a parameter that could not be read, to silence what would follow.
-    fn keep_broken_parameter(&mut self, from: usize, list: &mut Vec<Parameter>) {
-        let Some((Kind::Ident(text), span)) = self.tokens.get(from).map(|t| (t.kind.clone(), t.span)) else { return };
-        let unit = WrittenUnit { unit: None, degrees: false, span };
-        let value = Expr { kind: ExprKind::Error, span };
-        list.push(Parameter { name: Name { text, span }, unit, value, range: None, docs: String::new(), span });
-    }
-
-    fn parameter(&mut self, docs: String) -> Parse<Parameter> {
-        let name = self.name("a parameter `name: unit = value`")?;
-        self.punct(':', "and the parameter's unit")?;
-        let unit = self.unit()?;
-        self.punct('=', "and the parameter's value")?;
-        let value = self.expr()?;
-        let range = self.bounds()?;
-        let span = self.since(name.span);
-        Ok(Parameter { name, unit, value, range, docs, span })
-    }
-
-    fn bounds(&mut self) -> Parse<Option<Bounds>> {
-        if !self.eat_word("in") {
-            return Ok(None);
-        }
-        let lower = self.expr()?;
-        self.dots()?;
-        let upper = self.expr()?;
-        let span = lower.span.to(upper.span);
-        Ok(Some(Bounds { lower, upper, span }))
-    }
-
-    fn coordinates(&mut self, position: bool) -> Parse<StatementKind> {
-        let mut names = vec![self.declarator("the name of a coordinate")?];
-        while self.eat_punct(',') {
-            names.push(self.declarator("the name of a coordinate")?);
-        }
-        self.punct(':', "and the unit of the coordinates")?;
-        let unit = self.unit()?;
-        let range = self.bounds()?;
-        Ok(StatementKind::Coordinates(Coordinates { position, names, unit, range }))
-    }
-
-    fn declarator(&mut self, what: &str) -> Parse<Declarator> {
-        let name = self.name(what)?;
-        let mut brackets = Vec::new();
-        while *self.peek() == Kind::Open('[') && brackets.len() < 2 {
-            brackets.push(self.labels()?);
-        }
-        let span = self.since(name.span);
-        Ok(Declarator { name, brackets, span })
-    }
-
-    fn labels(&mut self) -> Parse<Labels> {
-        self.open('[', "before the labels")?;
-        let first = self.expr()?;
-        if self.is_puncts("..") {
-            let inclusive = self.dots()?;
-            let to = self.expr()?;
-            self.close(']', "after the range of labels")?;
-            return Ok(Labels::Range { from: first, to, inclusive });
-        }
-        let mut list = vec![first];
-        while self.eat_punct(',') {
-            if *self.peek() == Kind::Close(']') {
-                break;
-            }
-            list.push(self.expr()?);
-        }
-        self.close(']', "after the labels")?;
-        Ok(Labels::List(list))
-    }
-
     fn rigid(&mut self) -> Parse<StatementKind> {
         let name = self.indexed_name("a name after `rigid`")?;
         self.open('{', "after the name of the rigid body")?;
@@ -292,7 +235,7 @@ impl Parser<'_> {
             self.punct(':', "after the name of the field")?;
             fields.push((field, self.expr()?));
             if !self.eat_punct(',') && !self.eat_punct(';') && *self.peek() != Kind::Close('}') {
-                return Err(self.expected("`,` or `}` after the value of the field"));
+                return Err(self.expected("`,` or `}` behind the field"));
             }
         }
         self.close('}', "after the fields")?;
@@ -356,7 +299,7 @@ impl Parser<'_> {
         }
         let unit = self.unit()?;
         if *self.peek() == Kind::Open('[') {
-            return Ok(ArgumentType::Array(unit, self.labels()?));
+            return Ok(ArgumentType::Array(unit, Box::new(self.labels()?)));
         }
         Ok(ArgumentType::Scalar(unit))
     }
@@ -377,11 +320,15 @@ impl Parser<'_> {
     fn instance(&mut self, word: &str) -> Parse<StatementKind> {
         let start = self.span();
         if !matches!(self.peek_at(1), Kind::Punct('=') | Kind::Open('[')) {
-            let help = closest(word, KEYWORDS.iter().copied()).map(|k| format!("did you mean `{k}`?"));
+            let help =
+                closest(word, KEYWORDS.iter().copied()).map(|k| format!("did you mean `{k}`?"));
             self.sink.push(
                 Diagnostic::error(codes::E0103, start, format!("`{word}` begins no statement"))
                     .label("unknown statement")
-                    .note(format!("statements begin with {}", KEYWORDS[..KEYWORDS.len() - 1].join(", ")))
+                    .note(format!(
+                        "statements begin with {}",
+                        KEYWORDS[..KEYWORDS.len() - 1].join(", ")
+                    ))
                     .maybe_help(help),
             );
             return Err(Reported);
@@ -392,8 +339,12 @@ impl Parser<'_> {
         if *self.peek() != Kind::Open('(') {
             let span = start.to(component.span);
             self.sink.push(
-                Diagnostic::error(codes::E0103, span, "a bare `name = …` makes an instance of a component")
-                    .help(format!("write `let {} = …;` to name a value", name.name.text)),
+                Diagnostic::error(
+                    codes::E0103,
+                    span,
+                    "a bare `name = …` makes an instance of a component",
+                )
+                .help(format!("write `let {} = …;` to name a value", name.name.text)),
             );
             return Err(Reported);
         }
@@ -408,29 +359,6 @@ impl Parser<'_> {
         let on = self.expr()?;
         let limit = if self.eat_word("limit") { Some(self.expr()?) } else { None };
         Ok(StatementKind::Actuator(Actuator { name, on, limit }))
-    }
-
-    fn is_named_geometry(&self) -> bool {
-        let end = match self.peek_at(1) {
-            Kind::Punct('=') => return true,
-            Kind::Open('[') => (2..8).find(|n| *self.peek_at(*n) == Kind::Close(']')),
-            _ => None,
-        };
-        end.is_some_and(|n| *self.peek_at(n + 1) == Kind::Punct('='))
-    }
-
-    fn named_geometry(&mut self) -> Parse<StatementKind> {
-        let name = self.indexed_name("a name")?;
-        self.punct('=', "and a solid")?;
-        self.geometry(Some(name))
-    }
-
-    fn geometry(&mut self, name: Option<IndexedName>) -> Parse<StatementKind> {
-        let solid = self.name("a solid such as `sphere(r)`")?;
-        let arguments = self.list('(', ')')?;
-        let frame = if self.eat_word("on") { Some(self.expr()?) } else { None };
-        let at = if self.eat_word("at") { Some(self.expr()?) } else { None };
-        Ok(StatementKind::Geometry(Geometry { name, solid, arguments, frame, at }))
     }
 
     fn require(&mut self) -> Parse<StatementKind> {
@@ -461,8 +389,22 @@ impl Parser<'_> {
         }
         let span = self.since(start);
         self.sink.push(
-            Diagnostic::error(codes::E0407, span, "`mirror` takes two instances").help("write `mirror(left, right)`"),
+            Diagnostic::error(codes::E0407, span, "`mirror` takes two instances")
+                .help("write `mirror(left, right)`"),
         );
         Err(Reported)
+    }
+}
+
+/// What is left of a statement whose end could not be read: the names that it declares.
+fn without_values(kind: StatementKind) -> Option<StatementKind> {
+    let broken = |e: Expr| Expr { kind: ExprKind::Error, ..e };
+    match kind {
+        StatementKind::Let(name, e) => Some(StatementKind::Let(name, broken(e))),
+        StatementKind::Const(name, e) => Some(StatementKind::Const(name, broken(e))),
+        StatementKind::Frame(name, e) => Some(StatementKind::Frame(name, broken(e))),
+        StatementKind::Point(name, e) => Some(StatementKind::Point(name, broken(e))),
+        StatementKind::Coordinates(c) => Some(StatementKind::Coordinates(c)),
+        _ => None,
     }
 }

@@ -1,6 +1,6 @@
 //! Units: `kg*m^2`, `m/s^2`, `N*m/rad`, `1/s`.
 
-use super::{Parse, Parser, Reported};
+use super::{Parse, Parser};
 use crate::ast::WrittenUnit;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
@@ -15,7 +15,11 @@ impl Parser<'_> {
     /// A unit; a refused one is reported and poisoned.
     pub(super) fn unit(&mut self) -> Parse<WrittenUnit> {
         let start = self.span();
-        let mut state = UnitState { dimension: Some(Dimension::NONE), scale: Some(BigRational::one()), degrees: false };
+        let mut state = UnitState {
+            dimension: Some(Dimension::NONE),
+            scale: Some(BigRational::one()),
+            degrees: false,
+        };
         let mut text = String::new();
         let mut divide = false;
         loop {
@@ -47,9 +51,14 @@ impl Parser<'_> {
         let span = self.since(start);
         let raised = base.raise(&exponent);
         if raised.dimension.is_none() && base.dimension.is_some() {
-            self.sink.push(Diagnostic::error(codes::E0306, span, "this exponent of a unit is out of range"));
+            self.sink.push(Diagnostic::error(
+                codes::E0306,
+                span,
+                "this exponent of a unit is out of range",
+            ));
         }
-        let shown = if exponent.is_integer() { exponent.to_string() } else { format!("({exponent})") };
+        let shown =
+            if exponent.is_integer() { exponent.to_string() } else { format!("({exponent})") };
         Ok((raised, format!("{text}^{shown}")))
     }
 
@@ -78,8 +87,11 @@ impl Parser<'_> {
                     self.unknown_unit(&name, span);
                     return Ok((UnitState::poison(), name));
                 };
-                let state =
-                    UnitState { dimension: Some(unit.dimension), scale: Some(unit.factor()), degrees: name == "deg" };
+                let state = UnitState {
+                    dimension: Some(unit.dimension),
+                    scale: Some(unit.factor()),
+                    degrees: name == "deg",
+                };
                 Ok((state, name))
             }
             _ => Err(self.expected("a unit such as `kg*m^2`, or `1` for a number")),
@@ -91,8 +103,16 @@ impl Parser<'_> {
             "g" | "gram" => Some("write masses in `kg`".to_owned()),
             "kgm" => Some("write `kg*m`".to_owned()),
             "Nm" => Some("write `N*m`".to_owned()),
+            "meter" | "metre" | "meters" | "metres" => Some("write `m`".to_owned()),
+            "kilogram" | "kilograms" => Some("write `kg`".to_owned()),
+            "second" | "seconds" | "sec" => Some("write `s`".to_owned()),
+            "radian" | "radians" => Some("write `rad`".to_owned()),
+            "newton" | "newtons" => Some("write `N`".to_owned()),
+            "joule" | "joules" => Some("write `J`".to_owned()),
+            "watt" | "watts" => Some("write `W`".to_owned()),
             "degree" | "degrees" => Some("write `rad` and give values as `30deg`".to_owned()),
-            _ => closest(name, units::UNITS.iter().map(|u| u.name)).map(|n| format!("did you mean `{n}`?")),
+            _ => closest(name, units::UNITS.iter().map(|u| u.name))
+                .map(|n| format!("did you mean `{n}`?")),
         };
         let known: Vec<&str> = units::UNITS.iter().map(|u| u.name).collect();
         self.sink.push(
@@ -119,16 +139,19 @@ impl Parser<'_> {
     }
 
     fn small_whole(&mut self) -> Parse<i64> {
-        if let Kind::Number(literal) = self.peek() {
-            if let (true, Some(n), None) = (literal.value.is_integer(), literal.value.to_i64(), &literal.suffix) {
-                if n.abs() <= 1000 {
-                    self.advance();
-                    return Ok(n);
-                }
+        let number = match self.peek() {
+            Kind::Number(literal) if literal.value.is_integer() && literal.suffix.is_none() => {
+                literal.value.to_i64()
             }
+            _ => None,
+        };
+        match number.filter(|n| n.abs() <= 1000) {
+            Some(n) => {
+                self.advance();
+                Ok(n)
+            }
+            None => Err(self.expected("a whole number as exponent of a unit")),
         }
-        let _: Reported = self.expected("a whole number as exponent of a unit");
-        Err(Reported)
     }
 }
 
@@ -148,22 +171,35 @@ impl UnitState {
     }
 
     fn raise(&self, exponent: &BigRational) -> Self {
-        let scale = match (&self.scale, exponent.is_integer().then(|| exponent.to_i32()).flatten()) {
+        let scale = match (&self.scale, exponent.is_integer().then(|| exponent.to_i32()).flatten())
+        {
             (Some(s), _) if s.is_one() => Some(BigRational::one()),
             (Some(s), Some(e)) => units::whole_power(s, e),
             _ => None,
         };
-        Self { dimension: self.dimension.and_then(|d| d.power(exponent)), scale, degrees: self.degrees }
+        Self {
+            dimension: self.dimension.and_then(|d| d.power(exponent)),
+            scale,
+            degrees: self.degrees,
+        }
     }
 
     fn apply(&mut self, factor: &Self, divide: bool) {
         let (d, s) = (self.dimension.take(), self.scale.take());
         self.dimension = match (d, factor.dimension) {
-            (Some(a), Some(b)) => if divide { a.over(b) } else { a.times(b) },
+            (Some(a), Some(b)) => {
+                if divide {
+                    a.over(b)
+                } else {
+                    a.times(b)
+                }
+            }
             _ => None,
         };
         self.scale = match (s, &factor.scale) {
-            (Some(a), Some(b)) => Some(if divide { a / b } else { a * b }).filter(|v| !units::too_big(v)),
+            (Some(a), Some(b)) => {
+                Some(if divide { a / b } else { a * b }).filter(|v| !units::too_big(v))
+            }
             _ => None,
         };
         self.degrees |= factor.degrees;

@@ -1,8 +1,8 @@
 //! The arenas of scalars and vectors while they grow, with what each node depends on.
 
+use crate::Span;
 use crate::model::{Expr, ExprId, FrameId, FrameVector, Vector, VectorId};
 use crate::units::{too_big, whole_power};
-use crate::Span;
 use num_rational::BigRational;
 use num_traits::{One, ToPrimitive, Zero};
 
@@ -10,6 +10,9 @@ use num_traits::{One, ToPrimitive, Zero};
 pub(crate) const MAX_NODES: usize = 100_000;
 /// Longest chain of operations, so that a reader of the model may recurse.
 const MAX_DEPTH: u32 = 2_000;
+
+/// Most entries of copied lists.
+const MAX_COPIES: usize = 4_000_000;
 
 /// What an expression depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,6 +57,8 @@ pub(crate) struct Arena {
     info: Vec<Info>,
     vector_info: Vec<Info>,
     frame_info: Vec<Info>,
+    /// Copies made of lists and texts, in entries.
+    copies: usize,
     /// Where a limit was exceeded.
     pub(crate) overflow: Option<(Span, &'static str)>,
 }
@@ -78,13 +83,26 @@ impl Arena {
     }
 
     /// Registers what a new frame's rotations depend on.
-    pub(crate) fn push_frame(&mut self, parent: Option<FrameId>, angles: impl Iterator<Item = ExprId>) {
+    pub(crate) fn push_frame(
+        &mut self,
+        parent: Option<FrameId>,
+        angles: impl Iterator<Item = ExprId>,
+    ) {
         let mut info = parent.map_or(Info::default(), |p| self.frame(p));
         for angle in angles {
             info = info.or(self.of(angle));
         }
         info.depth += 1;
         self.frame_info.push(info);
+    }
+
+    /// Accounts for a copy of a list or a text, which repetitions multiply.
+    pub(crate) fn charge(&mut self, entries: usize, span: Span) {
+        self.copies = self.copies.saturating_add(entries);
+        if self.copies > MAX_COPIES && self.overflow.is_none() {
+            self.overflow =
+                Some((span, "repetitions multiply long vectors or texts beyond reason"));
+        }
     }
 
     fn check(&mut self, depth: u32, span: Span) {
@@ -126,7 +144,12 @@ impl Arena {
         self.as_number(id).is_some_and(One::is_one)
     }
 
-    fn fold(&self, a: ExprId, b: ExprId, f: impl Fn(&BigRational, &BigRational) -> BigRational) -> Option<Expr> {
+    fn fold(
+        &self,
+        a: ExprId,
+        b: ExprId,
+        f: impl Fn(&BigRational, &BigRational) -> BigRational,
+    ) -> Option<Expr> {
         let value = f(self.as_number(a)?, self.as_number(b)?);
         (!too_big(&value)).then_some(Expr::Number(value))
     }
@@ -196,7 +219,9 @@ impl Arena {
             Expr::Number(_) | Expr::Pi => Info::default(),
             Expr::Parameter(_) => leaf(Depends { parameters: true, ..Depends::default() }),
             Expr::Coordinate(_) => leaf(Depends { coordinates: true, ..Depends::default() }),
-            Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) | Expr::Div(a, b) => self.of(*a).or(self.of(*b)),
+            Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) | Expr::Div(a, b) => {
+                self.of(*a).or(self.of(*b))
+            }
             Expr::Neg(a) | Expr::Power(a, _) => self.of(*a),
             Expr::Call(_, list) => list.iter().fold(Info::default(), |i, a| i.or(self.of(*a))),
             Expr::TimeDerivative(a) => rate(self.of(*a)),

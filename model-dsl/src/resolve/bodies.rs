@@ -1,14 +1,14 @@
 //! Frames, rigid bodies, points, solids, gravity.
 
+use super::Resolver;
 use super::scope::identifier;
 use super::value::{Body, Scalar, Value};
-use super::Resolver;
+use crate::Span;
 use crate::ast::{self, Expr as AstExpr, IndexedName};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::model::{self, Axis, Dimension, ExprId, FrameId, Gravity, Point, RigidBody, Solid};
 use crate::units::ratio;
-use crate::Span;
 use std::rc::Rc;
 
 const FIELDS: &[&str] = &["mass", "inertia", "frame", "com"];
@@ -69,11 +69,19 @@ impl<'a> Resolver<'a> {
         rigid.fields.iter().find(|(n, _)| n.text == name).map(|(_, e)| e)
     }
 
-    fn body(&mut self, rigid: &'a ast::Rigid, path: String, docs: &str, span: Span) -> Option<Body> {
+    fn body(
+        &mut self,
+        rigid: &'a ast::Rigid,
+        path: String,
+        docs: &str,
+        span: Span,
+    ) -> Option<Body> {
         self.check_fields(rigid);
         let head = rigid.name.name.span;
         let mass = match self.field(rigid, "mass") {
-            Some(expr) => self.constant_quantity(expr, "a mass", Dimension::MASS),
+            Some(expr) => self
+                .constant_quantity(expr, "a mass", Dimension::MASS)
+                .filter(|m| self.not_negative(*m, true, expr.span, "a mass")),
             None => self.missing(head, "mass"),
         };
         let frame = match self.field(rigid, "frame") {
@@ -84,6 +92,13 @@ impl<'a> Resolver<'a> {
             Some(expr) => self.inertia(expr),
             None => Some(self.no_inertia(span)),
         };
+        if let (Some(expr), Some(FrameId::WORLD)) = (self.field(rigid, "inertia"), frame) {
+            self.sink.push(
+                Diagnostic::warning(codes::W0502, expr.span, "this inertia has no effect")
+                    .label("the body keeps the orientation of the world")
+                    .help("name the `frame` that turns with the body, or leave the inertia out"),
+            );
+        }
         let com = match self.field(rigid, "com") {
             Some(expr) => {
                 let value = self.eval(expr);
@@ -93,13 +108,14 @@ impl<'a> Resolver<'a> {
         };
         let (mass, frame, inertia, (position, com)) = (mass?, frame?, inertia?, com?);
         self.claim("rigid bodies", &identifier(&path), head);
+        let docs = self.copy_of(docs, span);
         self.bodies.push(RigidBody {
             name: path,
             mass: mass.id,
             inertia,
             frame,
             com: position,
-            docs: docs.to_owned(),
+            docs,
             span,
         });
         Some(Body { mass, com, frame })
@@ -118,16 +134,24 @@ impl<'a> Resolver<'a> {
         for (i, (name, _)) in rigid.fields.iter().enumerate() {
             if let Some((first, _)) = rigid.fields[..i].iter().find(|(n, _)| n.text == name.text) {
                 self.sink.push(
-                    Diagnostic::error(codes::E0110, name.span, format!("`{}` is given twice", name.text))
-                        .also(first.span, "first given here"),
+                    Diagnostic::error(
+                        codes::E0110,
+                        name.span,
+                        format!("`{}` is given twice", name.text),
+                    )
+                    .also(first.span, "first given here"),
                 );
             }
             if !FIELDS.contains(&name.text.as_str()) {
                 let close = crate::suggest::closest(&name.text, FIELDS.iter().copied());
                 self.sink.push(
-                    Diagnostic::error(codes::E0110, name.span, format!("a rigid body has no field `{}`", name.text))
-                        .note("its fields are `mass`, `inertia`, `frame` and `com`")
-                        .maybe_help(close.map(|c| format!("did you mean `{c}`?"))),
+                    Diagnostic::error(
+                        codes::E0110,
+                        name.span,
+                        format!("a rigid body has no field `{}`", name.text),
+                    )
+                    .note("its fields are `mass`, `inertia`, `frame` and `com`")
+                    .maybe_help(close.map(|c| format!("did you mean `{c}`?"))),
                 );
             }
         }
@@ -142,7 +166,8 @@ impl<'a> Resolver<'a> {
         let matrix = match self.eval(expr) {
             Value::Matrix(m) => *m,
             Value::Scalar(s) => {
-                let zero = Scalar { id: self.arena.number(ratio(0, 1), expr.span), dimension: None };
+                let zero =
+                    Scalar { id: self.arena.number(ratio(0, 1), expr.span), dimension: None };
                 let mut m = [[zero; 3]; 3];
                 (0..3).for_each(|i| m[i][i] = s);
                 m
@@ -157,15 +182,24 @@ impl<'a> Resolver<'a> {
                 return None;
             }
         };
+        for i in 0..3 {
+            if !self.not_negative(matrix[i][i], true, expr.span, "a moment of inertia") {
+                return None;
+            }
+        }
         for entry in matrix.iter().flatten() {
             if !self.demand(*entry, Dimension::INERTIA, expr.span, "an inertia") {
                 return None;
             }
             if !self.arena.depends(entry.id).is_constant() {
                 self.sink.push(
-                    Diagnostic::error(codes::E0507, expr.span, "an inertia is a constant in its body's frame")
-                        .label("this changes while the robot moves")
-                        .help("name the body's `frame`; its inertia turns with it"),
+                    Diagnostic::error(
+                        codes::E0507,
+                        expr.span,
+                        "an inertia is a constant in its body's frame",
+                    )
+                    .label("this changes while the robot moves")
+                    .help("name the body's `frame`; its inertia turns with it"),
                 );
                 return None;
             }
@@ -173,14 +207,21 @@ impl<'a> Resolver<'a> {
         Some(matrix.map(|row| row.map(|s| s.id)))
     }
 
-    pub(super) fn point(&mut self, name: &'a IndexedName, expr: &'a AstExpr, docs: &str, span: Span) {
+    pub(super) fn point(
+        &mut self,
+        name: &'a IndexedName,
+        expr: &'a AstExpr,
+        docs: &str,
+        span: Span,
+    ) {
         let value = self.eval(expr);
         let Some(key) = self.key(name) else { return };
         let value = match self.position(&value, expr.span, "a point") {
             Some((position, vector)) => {
                 let path = self.path(&key);
                 self.claim("points", &identifier(&path), name.name.span);
-                self.points.push(Point { name: path, position, docs: docs.to_owned(), span });
+                let docs = self.copy_of(docs, span);
+                self.points.push(Point { name: path, position, docs, span });
                 Value::Vector(vector)
             }
             None => Value::Poison,
@@ -188,10 +229,23 @@ impl<'a> Resolver<'a> {
         self.bind(key, value, name.name.span);
     }
 
-    pub(super) fn gravity(&mut self, acceleration: &'a AstExpr, axis: Option<(Axis, i8)>, span: Span) {
-        let value = self.constant_quantity(acceleration, "the acceleration of gravity", Dimension::ACCELERATION);
+    pub(super) fn gravity(
+        &mut self,
+        acceleration: &'a AstExpr,
+        axis: Option<(Axis, i8)>,
+        span: Span,
+    ) {
+        let value = self.constant_quantity(
+            acceleration,
+            "the acceleration of gravity",
+            Dimension::ACCELERATION,
+        );
+        let value = value.filter(|v| {
+            self.not_negative(*v, true, acceleration.span, "the acceleration of gravity")
+        });
         if let Some(first) = &self.gravity {
-            let diagnostic = Diagnostic::error(codes::E0506, span, "gravity is declared twice").also(first.span, "first here");
+            let diagnostic = Diagnostic::error(codes::E0506, span, "gravity is declared twice")
+                .also(first.span, "first here");
             self.sink.push(diagnostic);
             return;
         }
@@ -249,23 +303,35 @@ impl<'a> Resolver<'a> {
         let Some((_, count, usage)) = SOLIDS.iter().find(|(n, ..)| *n == name) else {
             let close = crate::suggest::closest(name, SOLIDS.iter().map(|s| s.0));
             self.sink.push(
-                Diagnostic::error(codes::E0208, geometry.solid.span, format!("there is no solid `{name}`"))
-                    .note("solids are sphere, box, capsule and cylinder")
-                    .maybe_help(close.map(|c| format!("did you mean `{c}`?"))),
+                Diagnostic::error(
+                    codes::E0208,
+                    geometry.solid.span,
+                    format!("there is no solid `{name}`"),
+                )
+                .note("solids are sphere, box, capsule and cylinder")
+                .maybe_help(close.map(|c| format!("did you mean `{c}`?"))),
             );
             return None;
         };
         if geometry.arguments.len() != *count {
             self.sink.push(
-                Diagnostic::error(codes::E0407, geometry.solid.span, format!("`{name}` takes {count} lengths"))
-                    .label(format!("{} given", geometry.arguments.len()))
-                    .help(format!("write `{usage}`")),
+                Diagnostic::error(
+                    codes::E0407,
+                    geometry.solid.span,
+                    format!("`{name}` takes {count} lengths"),
+                )
+                .label(format!("{} given", geometry.arguments.len()))
+                .help(format!("write `{usage}`")),
             );
             return None;
         }
         let mut sizes = Vec::with_capacity(3);
         for expr in &geometry.arguments {
-            sizes.push(self.constant_quantity(expr, "a size of a solid", Dimension::LENGTH).map(|s| s.id));
+            sizes.push(
+                self.constant_quantity(expr, "a size of a solid", Dimension::LENGTH)
+                    .filter(|s| self.not_negative(*s, true, expr.span, "a size of a solid"))
+                    .map(|s| s.id),
+            );
         }
         let sizes: Vec<ExprId> = sizes.into_iter().collect::<Option<_>>()?;
         Some(match (name, sizes.as_slice()) {

@@ -1,15 +1,15 @@
 //! Functions, rotations, indexed sums.
 
+use super::Resolver;
 use super::scope::Level;
 use super::value::{Scalar, Value};
-use super::Resolver;
+use crate::Span;
 use crate::ast::{self, Loop, Name};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::model::{Axis, Dimension, Expr, Function, Vector};
 use crate::suggest::closest;
 use crate::units::ratio;
-use crate::Span;
 use std::rc::Rc;
 
 const SMOOTH: &[(&str, Function)] = &[
@@ -32,8 +32,14 @@ const GEOMETRIC: &[&str] =
 /// Refused functions and what to write instead.
 const ROUGH: &[(&str, &str)] = &[
     ("abs", "write `sqrt(x^2 + eps^2)` for a smooth absolute value"),
-    ("min", "a smooth function such as `ln(exp(a) + exp(b))` may do, or the case distinction belongs into the controller"),
-    ("max", "a smooth function such as `ln(exp(a) + exp(b))` may do, or the case distinction belongs into the controller"),
+    (
+        "min",
+        "a smooth function such as `ln(exp(a) + exp(b))` may do, or the case distinction belongs into the controller",
+    ),
+    (
+        "max",
+        "a smooth function such as `ln(exp(a) + exp(b))` may do, or the case distinction belongs into the controller",
+    ),
     ("sign", "use `tanh(x/eps)`; dry friction of the plant is declared with `friction`"),
     ("signum", "use `tanh(x/eps)`; dry friction of the plant is declared with `friction`"),
     ("sgn", "use `tanh(x/eps)`; dry friction of the plant is declared with `friction`"),
@@ -50,7 +56,12 @@ const ROUGH: &[(&str, &str)] = &[
 ];
 
 impl<'a> Resolver<'a> {
-    pub(super) fn call(&mut self, name: &'a Name, arguments: &'a [ast::Expr], span: Span) -> Value<'a> {
+    pub(super) fn call(
+        &mut self,
+        name: &'a Name,
+        arguments: &'a [ast::Expr],
+        span: Span,
+    ) -> Value<'a> {
         let text = name.text.as_str();
         if let Some((_, function)) = SMOOTH.iter().find(|(n, _)| *n == text) {
             return self.smooth(*function, text, arguments, span);
@@ -74,9 +85,15 @@ impl<'a> Resolver<'a> {
     fn special(&mut self, name: &'a Name, arguments: &'a [ast::Expr], span: Span) -> Value<'a> {
         match name.text.as_str() {
             "sqrt" => {
-                let Some([inner]) = self.exactly::<1>("sqrt", arguments, span) else { return Value::Poison };
-                let Some(scalar) = self.scalar(inner, "the argument of `sqrt`") else { return Value::Poison };
-                let Some(dimension) = scalar.dimension.map_or(Some(None), |d| d.power(&ratio(1, 2)).map(Some)) else {
+                let Some([inner]) = self.exactly::<1>("sqrt", arguments, span) else {
+                    return Value::Poison;
+                };
+                let Some(scalar) = self.scalar(inner, "the argument of `sqrt`") else {
+                    return Value::Poison;
+                };
+                let Some(dimension) =
+                    scalar.dimension.map_or(Some(None), |d| d.power(&ratio(1, 2)).map(Some))
+                else {
                     return self.exponent_overflow(span);
                 };
                 let id = self.arena.push(Expr::Call(Function::Sqrt, vec![scalar.id]), span);
@@ -96,21 +113,26 @@ impl<'a> Resolver<'a> {
         let text = name.text.as_str();
         if let Some((_, help)) = ROUGH.iter().find(|(n, _)| *n == text) {
             self.sink.push(
-                Diagnostic::error(codes::E0209, name.span, format!("`{text}` is refused: it is not smooth"))
-                    .label("no derivative where it kinks or jumps")
-                    .note("the planner needs Jacobians of the equations of motion everywhere")
-                    .help(*help),
+                Diagnostic::error(
+                    codes::E0209,
+                    name.span,
+                    format!("`{text}` is refused: it is not smooth"),
+                )
+                .label("no derivative where it kinks or jumps")
+                .note("the planner needs Jacobians of the equations of motion everywhere")
+                .help(*help),
             );
             return Value::Poison;
         }
-        let mut diagnostic = Diagnostic::error(codes::E0208, name.span, format!("there is no function `{text}`"));
+        let mut diagnostic =
+            Diagnostic::error(codes::E0208, name.span, format!("there is no function `{text}`"));
         diagnostic = match self.find(&(name.text.clone(), None)).map(|b| b.value.clone()) {
-            Some(Value::Component(..)) => {
-                diagnostic.label("a component").help(format!("make an instance with a statement `part = {text}(…);`"))
-            }
-            Some(_) if arguments.len() == 1 => {
-                diagnostic.label("a name, not a function").help(format!("write every product out: `{text}*(…)`"))
-            }
+            Some(Value::Component(..)) => diagnostic
+                .label("a component")
+                .help(format!("make an instance with a statement `part = {text}(…);`")),
+            Some(_) if arguments.len() == 1 => diagnostic
+                .label("a name, not a function")
+                .help(format!("write every product out: `{text}*(…)`")),
             Some(_) => diagnostic.label("a name, not a function"),
             None => {
                 let known = SMOOTH.iter().map(|(n, _)| *n).chain(GEOMETRIC.iter().copied());
@@ -125,7 +147,10 @@ impl<'a> Resolver<'a> {
                     _ => None,
                 };
                 let close = closest(text, known).map(|n| format!("did you mean `{n}`?"));
-                diagnostic.label("unknown function").maybe_help(close).maybe_help(alias.map(|a| format!("write {a}")))
+                diagnostic
+                    .label("unknown function")
+                    .maybe_help(close)
+                    .maybe_help(alias.map(|a| format!("write {a}")))
             }
         };
         self.sink.push(diagnostic);
@@ -133,7 +158,12 @@ impl<'a> Resolver<'a> {
     }
 
     /// The arguments, if there are as many as wanted.
-    fn exactly<const N: usize>(&mut self, name: &str, list: &'a [ast::Expr], span: Span) -> Option<[&'a ast::Expr; N]> {
+    fn exactly<const N: usize>(
+        &mut self,
+        name: &str,
+        list: &'a [ast::Expr],
+        span: Span,
+    ) -> Option<[&'a ast::Expr; N]> {
         let refs: Vec<&'a ast::Expr> = list.iter().collect();
         if let Ok(array) = refs.try_into() {
             return Some(array);
@@ -146,9 +176,17 @@ impl<'a> Resolver<'a> {
         None
     }
 
-    fn smooth(&mut self, function: Function, name: &str, list: &'a [ast::Expr], span: Span) -> Value<'a> {
+    fn smooth(
+        &mut self,
+        function: Function,
+        name: &str,
+        list: &'a [ast::Expr],
+        span: Span,
+    ) -> Value<'a> {
         let Some([inner]) = self.exactly::<1>(name, list, span) else { return Value::Poison };
-        let Some(scalar) = self.scalar(inner, &format!("the argument of `{name}`")) else { return Value::Poison };
+        let Some(scalar) = self.scalar(inner, &format!("the argument of `{name}`")) else {
+            return Value::Poison;
+        };
         if !self.dimensionless(scalar, name, inner.span) {
             return Value::Poison;
         }
@@ -170,7 +208,10 @@ impl<'a> Resolver<'a> {
 
     fn atan2(&mut self, list: &'a [ast::Expr], span: Span) -> Value<'a> {
         let Some([y, x]) = self.exactly::<2>("atan2", list, span) else { return Value::Poison };
-        let (a, b) = (self.scalar(y, "the first argument of `atan2`"), self.scalar(x, "the second argument of `atan2`"));
+        let (a, b) = (
+            self.scalar(y, "the first argument of `atan2`"),
+            self.scalar(x, "the second argument of `atan2`"),
+        );
         let (Some(a), Some(b)) = (a, b) else { return Value::Poison };
         if self.common(&[(a, y.span), (b, x.span)]).is_none() {
             return Value::Poison;
@@ -199,8 +240,12 @@ impl<'a> Resolver<'a> {
     fn dot(&mut self, list: &'a [ast::Expr], span: Span) -> Value<'a> {
         let Some([a, b]) = self.exactly::<2>("dot", list, span) else { return Value::Poison };
         let result = match (self.eval(a), self.eval(b)) {
-            (Value::Array(x), Value::Array(y)) if x.entries.len() == y.entries.len() => self.dot_arrays(&x, &y, span),
-            (Value::Array(x), Value::Array(y)) => return self.lengths(a.span, x.entries.len(), b.span, y.entries.len()),
+            (Value::Array(x), Value::Array(y)) if x.entries.len() == y.entries.len() => {
+                self.dot_arrays(&x, &y, span)
+            }
+            (Value::Array(x), Value::Array(y)) => {
+                return self.lengths(a.span, x.entries.len(), b.span, y.entries.len());
+            }
             (x, y) => match (self.as_vector(&x, a.span), self.as_vector(&y, b.span)) {
                 (Some(x), Some(y)) => self.dot_vectors(&x, &y, span),
                 _ => None,
@@ -212,7 +257,9 @@ impl<'a> Resolver<'a> {
     fn cross(&mut self, list: &'a [ast::Expr], span: Span) -> Value<'a> {
         let Some([a, b]) = self.exactly::<2>("cross", list, span) else { return Value::Poison };
         let (x, y) = (self.eval(a), self.eval(b));
-        let (Some(x), Some(y)) = (self.as_vector(&x, a.span), self.as_vector(&y, b.span)) else { return Value::Poison };
+        let (Some(x), Some(y)) = (self.as_vector(&x, a.span), self.as_vector(&y, b.span)) else {
+            return Value::Poison;
+        };
         let dimension = match (x.dimension, y.dimension) {
             (Some(p), Some(q)) => p.times(q),
             _ => None,
@@ -241,7 +288,9 @@ impl<'a> Resolver<'a> {
         }
         let mut entries = Vec::with_capacity(6);
         for expr in list {
-            let Some(scalar) = self.scalar(expr, "an entry of a matrix") else { return Value::Poison };
+            let Some(scalar) = self.scalar(expr, "an entry of a matrix") else {
+                return Value::Poison;
+            };
             entries.push((scalar, expr.span));
         }
         if self.common(&entries).is_none() {
@@ -254,7 +303,9 @@ impl<'a> Resolver<'a> {
     }
 
     pub(super) fn sum_over(&mut self, sum: &'a Loop<ast::Expr>, span: Span) -> Value<'a> {
-        let Some(range) = self.range(&sum.from, &sum.to, sum.inclusive) else { return Value::Poison };
+        let Some(range) = self.range(&sum.from, &sum.to, sum.inclusive) else {
+            return Value::Poison;
+        };
         let mut parts = Vec::new();
         for i in range {
             if !self.expand(span) {

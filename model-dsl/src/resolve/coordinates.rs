@@ -1,13 +1,13 @@
 //! Declarations of coordinates, and labels of vectors in general.
 
-use super::scope::{identifier, plain_path, Key};
+use super::scope::{Key, identifier, plain_path};
 use super::value::{Array, Scalar, Value};
 use super::{Draft, Resolver};
+use crate::Span;
 use crate::ast::{Coordinates, Declarator, ExprKind, Labels};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::model::{Coordinate, CoordinateId, CoordinateSet, Expr, Range, Role, Unit};
-use crate::Span;
 use std::rc::Rc;
 
 /// A declared name with the labels of its entries, if it is a vector.
@@ -26,10 +26,16 @@ impl<'a> Resolver<'a> {
             (Some(bounds), Some(unit)) => self.bounds(bounds, unit),
             _ => None,
         };
+        self.coordinates_broken |= unit.is_none();
         let role = if coordinates.position { Role::Position } else { Role::Shape };
         for declarator in &coordinates.names {
             let Some(declared) = self.declarator(declarator) else {
-                self.bind((declarator.name.text.clone(), None), Value::Poison, declarator.name.span);
+                self.coordinates_broken = true;
+                self.bind(
+                    (declarator.name.text.clone(), None),
+                    Value::Poison,
+                    declarator.name.span,
+                );
                 continue;
             };
             let value = match &unit {
@@ -40,15 +46,24 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    fn set(&mut self, declared: &Declared, role: Role, unit: &Unit, range: Option<Range>, docs: &str, span: Span) -> Value<'a> {
+    fn set(
+        &mut self,
+        declared: &Declared,
+        role: Role,
+        unit: &Unit,
+        range: Option<Range>,
+        docs: &str,
+        span: Span,
+    ) -> Value<'a> {
         let path = self.path(&declared.key);
         let set = self.sets.len();
         self.claim("coordinate vectors", &identifier(&path), span);
+        let docs = self.copy_of(docs, span);
         self.sets.push(CoordinateSet {
             name: identifier(&path),
             role,
             coordinates: Vec::new(),
-            docs: docs.to_owned(),
+            docs,
             span,
         });
         let add = |resolver: &mut Self, path: String| {
@@ -63,9 +78,11 @@ impl<'a> Resolver<'a> {
         match &declared.labels {
             None => Value::Scalar(add(self, path)),
             Some(labels) => {
-                let entry = |l: &String| if is_number(l) { format!("{path}[{l}]") } else { format!("{path}.{l}") };
+                let entry = |l: &String| {
+                    if is_number(l) { format!("{path}[{l}]") } else { format!("{path}.{l}") }
+                };
                 let entries = labels.iter().map(|l| add(self, entry(l))).collect();
-                Value::Array(Array { entries, labels: labels.clone() })
+                Value::Array(Array::new(entries, labels.clone()))
             }
         }
     }
@@ -76,13 +93,12 @@ impl<'a> Resolver<'a> {
         let mut brackets = declarator.brackets.iter();
         let mut index = None;
         let mut next = brackets.next();
-        if let Some(Labels::List(list)) = next {
-            if let [single] = list.as_slice() {
-                if self.is_index(&single.kind) {
-                    index = Some(self.whole(single, "an index")?);
-                    next = brackets.next();
-                }
-            }
+        if let Some(Labels::List(list)) = next
+            && let [single] = list.as_slice()
+            && self.is_index(&single.kind)
+        {
+            index = Some(self.whole(single, "an index")?);
+            next = brackets.next();
         }
         let labels = match next {
             None => None,
@@ -94,8 +110,12 @@ impl<'a> Resolver<'a> {
                 Labels::Range { from, .. } => from.span,
             };
             self.sink.push(
-                Diagnostic::error(codes::E0101, span, format!("`{}` has too many brackets", plain_path(&(name, index))))
-                    .help("an index and then labels are possible: `phi[i][x, y]`"),
+                Diagnostic::error(
+                    codes::E0101,
+                    span,
+                    format!("`{}` has too many brackets", plain_path(&(name, index))),
+                )
+                .help("an index and then labels are possible: `phi[i][x, y]`"),
             );
             return None;
         }
@@ -120,8 +140,14 @@ impl<'a> Resolver<'a> {
                 let count = range.end().saturating_sub(*range.start());
                 if count >= MAX_LABELS || range.is_empty() || *range.start() < 0 {
                     self.sink.push(
-                        Diagnostic::error(codes::E0512, from.span.to(to.span), "this is no range of labels")
-                            .help(format!("a vector has 1 to {MAX_LABELS} entries, numbered from 0 or more")),
+                        Diagnostic::error(
+                            codes::E0512,
+                            from.span.to(to.span),
+                            "this is no range of labels",
+                        )
+                        .help(format!(
+                            "a vector has 1 to {MAX_LABELS} entries, numbered from 0 or more"
+                        )),
                     );
                     return None;
                 }
@@ -132,15 +158,18 @@ impl<'a> Resolver<'a> {
                 for expr in list {
                     let ExprKind::Name(name) = &expr.kind else {
                         self.sink.push(
-                            Diagnostic::error(codes::E0101, expr.span, "a label is a name")
-                                .help("write labels as in `theta[x, y]`, or a range as in `phi[1..=4]`"),
+                            Diagnostic::error(codes::E0101, expr.span, "a label is a name").help(
+                                "write labels as in `theta[x, y]`, or a range as in `phi[1..=4]`",
+                            ),
                         );
                         return None;
                     };
                     if out.contains(&name.text) {
-                        self.sink.push(
-                            Diagnostic::error(codes::E0202, name.span, format!("the label `{}` occurs twice", name.text)),
-                        );
+                        self.sink.push(Diagnostic::error(
+                            codes::E0202,
+                            name.span,
+                            format!("the label `{}` occurs twice", name.text),
+                        ));
                         return None;
                     }
                     out.push(name.text.clone());

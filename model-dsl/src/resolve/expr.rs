@@ -1,15 +1,15 @@
 //! Expressions: sums, powers, names, members.
 
-use super::scope::{is_ambiguous, plain_path, Binding};
-use super::value::{default_labels, Array, Scalar, Value};
 use super::Resolver;
+use super::scope::{Binding, is_ambiguous, plain_path};
+use super::value::{Array, Scalar, Value, default_labels};
+use crate::Span;
 use crate::ast::{self, ExprKind, Name, Postfix};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::model::{Dimension, Expr};
 use crate::suggest::closest;
 use crate::units::{self, ratio};
-use crate::Span;
 use num_rational::BigRational;
 
 /// A part of a sum or a product.
@@ -23,6 +23,9 @@ pub(super) struct Part<'a> {
 impl<'a> Resolver<'a> {
     pub(super) fn eval(&mut self, expr: &'a ast::Expr) -> Value<'a> {
         let span = expr.span;
+        if self.arena.overflow.is_some() {
+            return Value::Poison;
+        }
         match &expr.kind {
             ExprKind::Error => Value::Poison,
             ExprKind::Number(value) => self.literal(value.clone(), span),
@@ -54,7 +57,9 @@ impl<'a> Resolver<'a> {
     }
 
     fn parts(&mut self, list: &'a [(bool, ast::Expr)]) -> Vec<Part<'a>> {
-        list.iter().map(|(inverse, e)| Part { value: self.eval(e), span: e.span, inverse: *inverse }).collect()
+        list.iter()
+            .map(|(inverse, e)| Part { value: self.eval(e), span: e.span, inverse: *inverse })
+            .collect()
     }
 
     fn literal(&mut self, value: BigRational, span: Span) -> Value<'a> {
@@ -65,34 +70,55 @@ impl<'a> Resolver<'a> {
 
     fn with_unit(&mut self, value: &BigRational, unit: &Name, span: Span) -> Value<'a> {
         if units::find(&unit.text).is_none() {
-            let help = closest(&unit.text, units::UNITS.iter().map(|u| u.name))
-                .map_or_else(|| format!("for a product write `*{}`", unit.text), |n| format!("did you mean `{n}`?"));
+            let help = closest(&unit.text, units::UNITS.iter().map(|u| u.name)).map_or_else(
+                || format!("for a product write `*{}`", unit.text),
+                |n| format!("did you mean `{n}`?"),
+            );
             self.sink.push(
-                Diagnostic::error(codes::E0207, unit.span, format!("there is no unit `{}`", unit.text))
-                    .label("letters directly behind a number are its unit")
-                    .help(help),
+                Diagnostic::error(
+                    codes::E0207,
+                    unit.span,
+                    format!("there is no unit `{}`", unit.text),
+                )
+                .label("letters directly behind a number are its unit")
+                .help(help),
             );
             return Value::Poison;
         }
         if is_ambiguous(self, &unit.text) {
             let n = units::decimal(value);
             self.sink.push(
-                Diagnostic::error(codes::E0105, span, format!("`{n}{0}` is a quantity in `{0}`, but `{0}` is a name here", unit.text))
-                    .label("unit or factor?")
-                    .help(format!("write `{n}*{}` for the product", unit.text)),
+                Diagnostic::error(
+                    codes::E0105,
+                    span,
+                    format!("`{n}{0}` is a quantity in `{0}`, but `{0}` is a name here", unit.text),
+                )
+                .label("unit or factor?")
+                .help(format!("write `{n}*{}` for the product", unit.text)),
             );
             return Value::Poison;
         }
-        let Value::Scalar(factor) = self.unit_constant(&unit.text, unit.span) else { return Value::Poison };
+        let Value::Scalar(factor) = self.unit_constant(&unit.text, unit.span) else {
+            return Value::Poison;
+        };
         let number = self.arena.number(value.clone(), span);
         if num_traits::Zero::is_zero(value) {
             return Value::Scalar(Scalar { id: number, dimension: factor.dimension });
         }
-        Value::Scalar(Scalar { id: self.scale(number, &unit.text, factor, span), dimension: factor.dimension })
+        Value::Scalar(Scalar {
+            id: self.scale(number, &unit.text, factor, span),
+            dimension: factor.dimension,
+        })
     }
 
     /// `number` times a unit; for degrees the number is folded with the 1/180.
-    fn scale(&mut self, number: crate::model::ExprId, unit: &str, factor: Scalar, span: Span) -> crate::model::ExprId {
+    fn scale(
+        &mut self,
+        number: crate::model::ExprId,
+        unit: &str,
+        factor: Scalar,
+        span: Span,
+    ) -> crate::model::ExprId {
         if unit != "deg" {
             return self.arena.mul(number, factor.id, span);
         }
@@ -162,13 +188,22 @@ impl<'a> Resolver<'a> {
             }
             _ => self.eval(base),
         };
-        for postfix in rest {
-            match postfix {
-                Postfix::Member(name) => {
+        while let Some(postfix) = rest.next() {
+            match (postfix, rest.clone().next()) {
+                // `left.p[2]`: a declaration with an index inside an instance.
+                (Postfix::Member(name), Some(Postfix::Index(index)))
+                    if is_indexed(self, &value, name) =>
+                {
+                    rest.next();
+                    let Some(i) = self.whole(index, "an index") else { return Value::Poison };
+                    value = self.indexed_member(&value, name, i);
+                    span = span.to(index.span);
+                }
+                (Postfix::Member(name), _) => {
                     value = self.member(value, name, span);
                     span = span.to(name.span);
                 }
-                Postfix::Index(index) => {
+                (Postfix::Index(index), _) => {
                     let Some(i) = self.whole(index, "an index") else { return Value::Poison };
                     let name = Name { text: i.to_string(), span: index.span };
                     value = self.member(value, &name, span);
@@ -177,6 +212,18 @@ impl<'a> Resolver<'a> {
             }
         }
         value
+    }
+
+    fn indexed_member(&mut self, value: &Value<'a>, name: &Name, i: i64) -> Value<'a> {
+        let Value::Instance(instance) = value else { return Value::Poison };
+        let names = &self.scopes[instance.scope].names;
+        if let Some(binding) = names.get(&(name.text.clone(), Some(i))) {
+            return binding.value.clone();
+        }
+        let known: Vec<String> = names.keys().map(plain_path).collect();
+        let shown = Name { text: format!("{}[{i}]", name.text), span: name.span };
+        self.no_member(value, &shown, &known);
+        Value::Poison
     }
 
     /// `name[i]`: a declaration with an index, or an entry of a vector.
@@ -243,14 +290,18 @@ impl<'a> Resolver<'a> {
     }
 
     fn no_member(&mut self, value: &Value<'a>, name: &Name, known: &[String]) {
-        let mut diagnostic =
-            Diagnostic::error(codes::E0204, name.span, format!("{} has no member `{}`", value.kind(), name.text))
-                .label("unknown member");
+        let mut diagnostic = Diagnostic::error(
+            codes::E0204,
+            name.span,
+            format!("{} has no member `{}`", value.kind(), name.text),
+        )
+        .label("unknown member");
         if !known.is_empty() {
             let list: Vec<String> = known.iter().take(12).map(|k| format!("`.{k}`")).collect();
             diagnostic = diagnostic.note(format!("its members are {}", list.join(", ")));
         }
-        let close = closest(&name.text, known.iter().map(String::as_str)).map(|n| format!("did you mean `.{n}`?"));
+        let close = closest(&name.text, known.iter().map(String::as_str))
+            .map(|n| format!("did you mean `.{n}`?"));
         self.sink.push(diagnostic.maybe_help(close));
     }
 
@@ -267,7 +318,8 @@ impl<'a> Resolver<'a> {
             return Value::Poison;
         }
         let labels = default_labels(entries.len());
-        Value::Array(Array { entries, labels })
+        let spans = list.iter().map(|e| e.span).collect();
+        Value::Array(Array { entries, labels, spans })
     }
 
     fn power(&mut self, base: &'a ast::Expr, exponent: &'a ast::Expr, span: Span) -> Value<'a> {
@@ -288,17 +340,25 @@ impl<'a> Resolver<'a> {
         if negative && self.arena.is_zero(scalar.id) {
             return self.division_by_zero(span);
         }
-        let Some(dimension) = scalar.dimension.map_or(Some(None), |d| d.power(power).map(Some)) else {
+        let Some(dimension) = scalar.dimension.map_or(Some(None), |d| d.power(power).map(Some))
+        else {
             return self.exponent_overflow(span);
         };
         let id = self.arena.power(scalar.id, power.clone(), span);
-        Value::Scalar(Scalar { id, dimension: dimension.or((!self.arena.is_zero(id)).then_some(Dimension::NONE)) })
+        Value::Scalar(Scalar {
+            id,
+            dimension: dimension.or((!self.arena.is_zero(id)).then_some(Dimension::NONE)),
+        })
     }
 
     pub(super) fn exponent_overflow(&mut self, span: Span) -> Value<'a> {
         self.sink.push(
-            Diagnostic::error(codes::E0306, span, "the dimension of this has exponents beyond reason")
-                .label("no physical quantity has such a dimension"),
+            Diagnostic::error(
+                codes::E0306,
+                span,
+                "the dimension of this has exponents beyond reason",
+            )
+            .label("no physical quantity has such a dimension"),
         );
         Value::Poison
     }
@@ -320,13 +380,18 @@ impl<'a> Resolver<'a> {
             if number.numer().bits() <= 10 && number.denom().bits() <= 10 {
                 return Some(number);
             }
-            self.sink.push(Diagnostic::error(codes::E0306, expr.span, "this exponent is out of range"));
+            self.sink.push(Diagnostic::error(
+                codes::E0306,
+                expr.span,
+                "this exponent is out of range",
+            ));
             return None;
         }
         let found = scalar.dimension.filter(|d| !d.is_none());
-        let label = found.map_or_else(|| "not a number known while the file is read".to_owned(), |d| {
-            format!("this is {}", d.describe())
-        });
+        let label = found.map_or_else(
+            || "not a number known while the file is read".to_owned(),
+            |d| format!("this is {}", d.describe()),
+        );
         self.sink.push(
             Diagnostic::error(codes::E0303, expr.span, "an exponent is a constant number")
                 .label(label)
@@ -344,4 +409,11 @@ fn entry(text: &str) -> Option<(usize, usize)> {
         [a, b] => Some((axis(*a)?, axis(*b)?)),
         _ => None,
     }
+}
+
+/// Whether an instance declares the name with indices only.
+fn is_indexed(resolver: &Resolver<'_>, value: &Value<'_>, name: &Name) -> bool {
+    let Value::Instance(instance) = value else { return false };
+    let names = &resolver.scopes[instance.scope].names;
+    !names.contains_key(&(name.text.clone(), None))
 }

@@ -16,9 +16,17 @@ impl<'a> Resolver<'a> {
         let order = self.order();
         self.renumber(&order);
         let mut drafts: Vec<_> = std::mem::take(&mut self.drafts).into_iter().map(Some).collect();
-        let coordinates: Vec<_> =
-            order.iter().filter_map(|i| drafts.get_mut(*i).and_then(Option::take)).map(|d| d.coordinate).collect();
-        let docs = [&robot.docs].iter().filter(|d| !d.is_empty()).map(|d| d.as_str()).collect::<Vec<_>>().join("\n");
+        let coordinates: Vec<_> = order
+            .iter()
+            .filter_map(|i| drafts.get_mut(*i).and_then(Option::take))
+            .map(|d| d.coordinate)
+            .collect();
+        let docs = [&robot.docs]
+            .iter()
+            .filter(|d| !d.is_empty())
+            .map(|d| d.as_str())
+            .collect::<Vec<_>>()
+            .join("\n");
         Model {
             name: robot.name.text.clone(),
             docs,
@@ -55,11 +63,17 @@ impl<'a> Resolver<'a> {
             .split('_')
             .map(|part| {
                 let mut chars = part.chars();
-                chars.next().map_or(String::new(), |c| c.to_ascii_uppercase().to_string() + chars.as_str())
+                chars
+                    .next()
+                    .map_or(String::new(), |c| c.to_ascii_uppercase().to_string() + chars.as_str())
             })
             .collect();
-        let mut diagnostic = Diagnostic::error(codes::E0205, robot.name.span, "a robot's name begins with a capital letter")
-            .label("this becomes the name of a Rust type");
+        let mut diagnostic = Diagnostic::error(
+            codes::E0205,
+            robot.name.span,
+            "a robot's name begins with a capital letter",
+        )
+        .label("this becomes the name of a Rust type");
         if camel.starts_with(|c: char| c.is_ascii_uppercase()) && camel != "Self" {
             diagnostic = diagnostic.help(format!("write `{camel}`"));
         }
@@ -68,6 +82,10 @@ impl<'a> Resolver<'a> {
 
     /// Missing parts; silent if something was refused, since it may be the missing part.
     fn whole_model(&mut self, robot: &ast::Robot) {
+        if self.coordinates_broken || self.stopped {
+            return;
+        }
+        self.output_count();
         if self.sink.has_errors() {
             return;
         }
@@ -87,16 +105,23 @@ impl<'a> Resolver<'a> {
                     .help("add `rigid` bodies, or write the energy: `kinetic 1/2*m*d/dt(x)^2;`"),
             );
         }
-        self.output_count();
     }
 
     fn output_count(&mut self) {
         let wanted = self.drafts.iter().filter(|d| d.coordinate.role == Role::Position).count();
-        let Some(output) = self.output.as_ref().filter(|o| o.entries.len() != wanted) else { return };
-        let diagnostic = Diagnostic::error(codes::E0503, output.span, "the output has one entry per position coordinate")
-            .label(format!("{} entries for {wanted} position coordinates", output.entries.len()))
-            .note("the Jacobian of the output by the position coordinates is inverted: it must be square")
-            .help("declare the task in as many coordinates as the robot has positions");
+        let Some(output) = self.output.as_ref().filter(|o| o.entries.len() != wanted) else {
+            return;
+        };
+        let diagnostic = Diagnostic::error(
+            codes::E0503,
+            output.span,
+            "the output has one entry per position coordinate",
+        )
+        .label(format!("{} entries for {wanted} position coordinates", output.entries.len()))
+        .note(
+            "the Jacobian of the output by the position coordinates is inverted: it must be square",
+        )
+        .help("declare the task in as many coordinates as the robot has positions");
         self.sink.push(diagnostic);
     }
 
@@ -106,23 +131,43 @@ impl<'a> Resolver<'a> {
         }
         let used = |p: &crate::model::Parameter, i: u32, r: &Self| {
             let family = p.path.split('.').next().unwrap_or("");
-            let siblings = r.parameters.iter().zip(0_u32..).filter(|(q, _)| q.path.split('.').next() == Some(family));
-            r.used_parameters.contains(&i) || siblings.into_iter().any(|(_, j)| r.used_parameters.contains(&j))
+            let siblings = r
+                .parameters
+                .iter()
+                .zip(0_u32..)
+                .filter(|(q, _)| q.path.split('.').next() == Some(family));
+            r.used_parameters.contains(&i)
+                || siblings.into_iter().any(|(_, j)| r.used_parameters.contains(&j))
         };
-        let unused: Vec<_> =
-            self.parameters.iter().zip(0_u32..).filter(|(p, i)| !used(p, *i, self)).map(|(p, _)| (p.span, p.path.clone())).collect();
+        let unused: Vec<_> = self
+            .parameters
+            .iter()
+            .zip(0_u32..)
+            .filter(|(p, i)| !used(p, *i, self))
+            .map(|(p, _)| (p.span, p.path.clone()))
+            .collect();
         for (span, path) in unused {
             self.sink.push(
-                Diagnostic::warning(codes::W0501, span, format!("the parameter `{path}` is never used"))
-                    .label("no energy, motor or solid depends on it")
-                    .help("remove it, or use it"),
+                Diagnostic::warning(
+                    codes::W0501,
+                    span,
+                    format!("the parameter `{path}` is never used"),
+                )
+                .label("no energy, motor or solid depends on it")
+                .help("remove it, or use it"),
             );
         }
     }
 
     /// Draft numbers in final order: positions, then shapes.
     fn order(&self) -> Vec<usize> {
-        let of = |role| self.drafts.iter().enumerate().filter(move |(_, d)| d.coordinate.role == role).map(|(i, _)| i);
+        let of = |role| {
+            self.drafts
+                .iter()
+                .enumerate()
+                .filter(move |(_, d)| d.coordinate.role == role)
+                .map(|(i, _)| i)
+        };
         of(Role::Position).chain(of(Role::Shape)).collect()
     }
 
@@ -132,7 +177,8 @@ impl<'a> Resolver<'a> {
         for (new, old) in (0_u32..).zip(order) {
             place[*old] = new;
         }
-        let moved = |id: CoordinateId| CoordinateId(place.get(id.0 as usize).copied().unwrap_or(id.0));
+        let moved =
+            |id: CoordinateId| CoordinateId(place.get(id.0 as usize).copied().unwrap_or(id.0));
         for (expr, _) in &mut self.arena.expressions {
             if let Expr::Coordinate(id) = expr {
                 *id = moved(*id);
@@ -148,7 +194,9 @@ impl<'a> Resolver<'a> {
         let mut new_set = vec![0; rank.len()];
         rank.iter().enumerate().for_each(|(new, old)| new_set[*old] = new);
         for (i, draft) in self.drafts.iter_mut().enumerate() {
-            self.sets[draft.set].coordinates.push(moved(CoordinateId(u32::try_from(i).unwrap_or(u32::MAX))));
+            self.sets[draft.set]
+                .coordinates
+                .push(moved(CoordinateId(u32::try_from(i).unwrap_or(u32::MAX))));
             draft.coordinate.set = new_set[draft.set];
         }
         let mut sets: Vec<_> = std::mem::take(&mut self.sets).into_iter().map(Some).collect();

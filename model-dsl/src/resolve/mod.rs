@@ -18,11 +18,11 @@ mod scope;
 mod value;
 mod vector;
 
+use crate::Span;
 use crate::ast::{self, Statement, StatementKind};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::model::{self, ExprId, Frame, FrameId, Model};
-use crate::Span;
 use arena::Arena;
 use scope::{Binding, Level, Scope};
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,6 +49,8 @@ pub(crate) struct Resolver<'a> {
     expanding: Vec<&'a str>,
     expansions: usize,
     stopped: bool,
+    /// Some coordinates could not be declared: counting them makes no sense.
+    coordinates_broken: bool,
     used_parameters: BTreeSet<u32>,
     parameters: Vec<model::Parameter>,
     parameter_ids: Vec<ExprId>,
@@ -79,10 +81,15 @@ pub(crate) fn resolve(robot: &ast::Robot, source_name: &str, text: &str, sink: &
 
 impl<'a> Resolver<'a> {
     fn new(sink: &'a mut Sink) -> Self {
+        let coordinates_broken = sink.has_errors();
         let mut arena = Arena::default();
         arena.push_frame(None, std::iter::empty());
-        let world =
-            Frame { name: "world".to_owned(), parent: None, rotations: Vec::new(), span: Span::default() };
+        let world = Frame {
+            name: "world".to_owned(),
+            parent: None,
+            rotations: Vec::new(),
+            span: Span::default(),
+        };
         let mut names = BTreeMap::new();
         let binding = Binding { value: Value::Frame(FrameId::WORLD), span: Span::default() };
         names.insert(("world".to_owned(), None), binding);
@@ -96,6 +103,7 @@ impl<'a> Resolver<'a> {
             expanding: Vec::new(),
             expansions: 0,
             stopped: false,
+            coordinates_broken,
             used_parameters: BTreeSet::new(),
             parameters: Vec::new(),
             parameter_ids: Vec::new(),
@@ -169,7 +177,14 @@ impl<'a> Resolver<'a> {
     fn statement(&mut self, statement: &'a Statement) {
         let (docs, span) = (statement.docs.as_str(), statement.span);
         match &statement.kind {
-            StatementKind::Params(_) => self.only_in_robot("params", span),
+            StatementKind::Params(list) => {
+                self.only_in_robot("params", span);
+                if self.level() != Level::Robot {
+                    for p in list {
+                        self.bind((p.name.text.clone(), None), Value::Poison, p.name.span);
+                    }
+                }
+            }
             StatementKind::Component(_) => self.only_in_robot("component", span),
             StatementKind::Coordinates(coordinates) => self.coordinates(coordinates, docs),
             StatementKind::Let(name, expr) => {
@@ -184,7 +199,9 @@ impl<'a> Resolver<'a> {
                 self.only_in_robot("gravity", span);
                 self.gravity(acceleration, *axis, span);
             }
-            StatementKind::Instance { name, component, arguments } => self.instance(name, component, arguments, span),
+            StatementKind::Instance { name, component, arguments } => {
+                self.instance(name, component, arguments, span)
+            }
             StatementKind::Repeat(repeat) => self.repeat(repeat),
             StatementKind::Actuator(actuator) => self.actuator(actuator, docs, span),
             StatementKind::Output(expr, unit) => {
@@ -201,9 +218,13 @@ impl<'a> Resolver<'a> {
     fn only_in_robot(&mut self, what: &str, span: Span) {
         if self.level() != Level::Robot {
             self.sink.push(
-                Diagnostic::error(codes::E0109, span, format!("`{what}` stands directly in the robot"))
-                    .label("not inside a component or a repetition")
-                    .help("move it out of the braces"),
+                Diagnostic::error(
+                    codes::E0109,
+                    span,
+                    format!("`{what}` stands directly in the robot"),
+                )
+                .label("not inside a component or a repetition")
+                .help("move it out of the braces"),
             );
         }
     }
@@ -223,12 +244,20 @@ impl<'a> Resolver<'a> {
         };
         if !is_number {
             self.sink.push(
-                Diagnostic::error(codes::E0507, expr.span, "a `const` is a number known while the file is read")
-                    .label(format!("this is {}", value.kind()))
-                    .help("use `let` for anything that depends on parameters or coordinates"),
+                Diagnostic::error(
+                    codes::E0507,
+                    expr.span,
+                    "a `const` is a number known while the file is read",
+                )
+                .label(format!("this is {}", value.kind()))
+                .help("use `let` for anything that depends on parameters or coordinates"),
             );
         }
-        self.bind((name.text.clone(), None), if is_number { value } else { Value::Poison }, name.span);
+        self.bind(
+            (name.text.clone(), None),
+            if is_number { value } else { Value::Poison },
+            name.span,
+        );
     }
 }
 
@@ -237,7 +266,9 @@ fn collect_names(list: &[Statement], into: &mut BTreeMap<String, Span>) {
     for statement in list {
         let names: Vec<&ast::Name> = match &statement.kind {
             StatementKind::Coordinates(c) => c.names.iter().map(|d| &d.name).collect(),
-            StatementKind::Let(n, _) | StatementKind::Frame(n, _) | StatementKind::Point(n, _) => vec![&n.name],
+            StatementKind::Let(n, _) | StatementKind::Frame(n, _) | StatementKind::Point(n, _) => {
+                vec![&n.name]
+            }
             StatementKind::Const(n, _) => vec![n],
             StatementKind::Rigid(r) => vec![&r.name.name],
             StatementKind::Instance { name, .. } => vec![&name.name],

@@ -1,14 +1,14 @@
 //! Energies, motors, friction, the output.
 
+use super::Resolver;
 use super::scope::identifier;
 use super::value::{Array, Scalar, Value};
-use super::Resolver;
+use crate::Span;
 use crate::ast::{self, Energy, Expr as AstExpr, ExprKind, WrittenUnit};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::model::{self, Dimension, EnergyTerm, Output, Unit};
 use crate::units::ratio;
-use crate::Span;
 
 impl<'a> Resolver<'a> {
     pub(super) fn energy(&mut self, kind: &Energy, expr: &'a AstExpr, docs: &str, span: Span) {
@@ -25,7 +25,7 @@ impl<'a> Resolver<'a> {
             self.not_energy(expr.span, what, is_power, found);
             return;
         }
-        let term = EnergyTerm { expr: scalar.id, docs: docs.to_owned(), span };
+        let term = EnergyTerm { expr: scalar.id, docs: self.copy_of(docs, span), span };
         match kind {
             Energy::Kinetic => self.kinetic.push(term),
             Energy::Potential => self.potential.push(term),
@@ -44,7 +44,8 @@ impl<'a> Resolver<'a> {
             .label(format!("expected {name}, found {}", found.describe()));
         if let Some(missing) = wanted.over(found) {
             let named = missing.quantity().map_or(String::new(), |q| format!(" ({q})"));
-            diagnostic = diagnostic.help(format!("a factor is missing whose dimension is {}{named}", missing.si()));
+            diagnostic = diagnostic
+                .help(format!("a factor is missing whose dimension is {}{named}", missing.si()));
         }
         self.sink.push(diagnostic);
     }
@@ -54,7 +55,11 @@ impl<'a> Resolver<'a> {
         let ExprKind::Derivative(inner) = &on.kind else {
             let value = self.eval(on);
             if !matches!(value, Value::Poison) {
-                let text = if matches!(on.kind, ExprKind::Name(_) | ExprKind::Postfix(..)) { "write `d/dt(…)` around it" } else { "write `on d/dt(…)`" };
+                let text = if matches!(on.kind, ExprKind::Name(_) | ExprKind::Postfix(..)) {
+                    "write `d/dt(…)` around it"
+                } else {
+                    "write `on d/dt(…)`"
+                };
                 self.sink.push(
                     Diagnostic::error(codes::E0408, on.span, format!("{what} works on a rate"))
                         .label("this is no `d/dt(…)`")
@@ -70,8 +75,12 @@ impl<'a> Resolver<'a> {
         let moves = array.entries.iter().all(|s| self.arena.depends(s.id).coordinates);
         if !moves {
             self.sink.push(
-                Diagnostic::error(codes::E0408, inner.span, format!("{what} works on something that moves"))
-                    .label("its rate is zero"),
+                Diagnostic::error(
+                    codes::E0408,
+                    inner.span,
+                    format!("{what} works on something that moves"),
+                )
+                .label("its rate is zero"),
             );
             return None;
         }
@@ -80,6 +89,9 @@ impl<'a> Resolver<'a> {
 
     pub(super) fn actuator(&mut self, actuator: &'a ast::Actuator, docs: &str, span: Span) {
         let declared = self.declarator(&actuator.name);
+        if self.is_reserved(&actuator.name.name.text, actuator.name.name.span) {
+            return;
+        }
         let moved = self.displacement(&actuator.on, "a motor");
         let (Some(declared), Some(moved)) = (declared, moved) else {
             if let Some(limit) = &actuator.limit {
@@ -89,8 +101,12 @@ impl<'a> Resolver<'a> {
         };
         let names: Vec<String> = match &declared.labels {
             None if moved.entries.len() == 1 => vec![self.path(&declared.key)],
-            None => moved.labels.iter().map(|l| format!("{}.{l}", self.path(&declared.key))).collect(),
-            Some(labels) => labels.iter().map(|l| format!("{}.{l}", self.path(&declared.key))).collect(),
+            None => {
+                moved.labels.iter().map(|l| format!("{}.{l}", self.path(&declared.key))).collect()
+            }
+            Some(labels) => {
+                labels.iter().map(|l| format!("{}.{l}", self.path(&declared.key))).collect()
+            }
         };
         if names.len() != moved.entries.len() {
             self.lengths(actuator.name.span, names.len(), actuator.on.span, moved.entries.len());
@@ -101,13 +117,28 @@ impl<'a> Resolver<'a> {
             let limit = match &actuator.limit {
                 None => None,
                 Some(expr) => {
-                    let Some(limit) = self.constant_quantity(expr, "the limit of this motor", unit.dimension) else { return };
+                    let Some(limit) =
+                        self.constant_quantity(expr, "the limit of this motor", unit.dimension)
+                    else {
+                        return;
+                    };
+                    if !self.not_negative(limit, false, expr.span, "the limit of a motor") {
+                        return;
+                    }
                     Some(limit.id)
                 }
             };
             let name = identifier(path);
             self.claim("quantities", &name, actuator.name.span);
-            self.actuators.push(model::Actuator { name, displacement: scalar.id, limit, unit, docs: docs.to_owned(), span });
+            let docs = self.copy_of(docs, span);
+            self.actuators.push(model::Actuator {
+                name,
+                displacement: scalar.id,
+                limit,
+                unit,
+                docs,
+                span,
+            });
         }
     }
 
@@ -138,12 +169,20 @@ impl<'a> Resolver<'a> {
             }
             if !self.arena.depends(l.id).is_constant() {
                 self.sink.push(
-                    Diagnostic::error(codes::E0507, level.span, "a level of friction is a constant of the robot")
-                        .label("this changes while the robot moves"),
+                    Diagnostic::error(
+                        codes::E0507,
+                        level.span,
+                        "a level of friction is a constant of the robot",
+                    )
+                    .label("this changes while the robot moves"),
                 );
                 return;
             }
-            self.friction.push(model::CoulombFriction { level: l.id, displacement: scalar.id, span });
+            self.friction.push(model::CoulombFriction {
+                level: l.id,
+                displacement: scalar.id,
+                span,
+            });
         }
     }
 
@@ -165,12 +204,19 @@ impl<'a> Resolver<'a> {
         };
         for (scalar, at) in array.entries.iter().zip(&spans) {
             let rates = self.arena.depends(scalar.id).rates;
-            if !self.demand(*scalar, unit.dimension, *at, "an entry of the output") || !self.no_rates(rates, *at, "the output") {
+            if !self.demand(*scalar, unit.dimension, *at, "an entry of the output")
+                || !self.no_rates(rates, *at, "the output")
+            {
                 return;
             }
         }
         let names = output_names(expr, &array);
-        self.output = Some(Output { entries: array.entries.iter().map(|s| s.id).collect(), names, unit, span });
+        self.output = Some(Output {
+            entries: array.entries.iter().map(|s| s.id).collect(),
+            names,
+            unit,
+            span,
+        });
     }
 }
 
@@ -194,7 +240,9 @@ fn output_names(expr: &AstExpr, array: &Array) -> Vec<String> {
             .collect(),
         _ => vec![None; array.entries.len()],
     };
-    let unique = |i: usize, n: &String| names.iter().enumerate().all(|(j, m)| i == j || m.as_ref() != Some(n));
+    let unique = |i: usize, n: &String| {
+        names.iter().enumerate().all(|(j, m)| i == j || m.as_ref() != Some(n))
+    };
     let name = |(i, n): (usize, &Option<String>)| match n {
         Some(n) if unique(i, n) => n.clone(),
         _ => format!("out_{i}"),

@@ -1,13 +1,13 @@
 //! Parameters and constant values.
 
-use super::scope::identifier;
-use super::value::{default_labels, Array, Scalar, Value};
 use super::Resolver;
+use super::scope::identifier;
+use super::value::{Array, Scalar, Value, default_labels};
+use crate::Span;
 use crate::ast::{self, Bounds, WrittenUnit};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::model::{Expr, Function, Parameter, ParameterId, Range, Unit};
-use crate::Span;
 use num_traits::{One, ToPrimitive};
 use std::rc::Rc;
 
@@ -31,15 +31,22 @@ impl<'a> Resolver<'a> {
             Value::Scalar(s) => make(self, "", s).map_or(Value::Poison, Value::Scalar),
             Value::Array(a) if a.entries.len() <= 3 => {
                 let labels = default_labels(a.entries.len());
-                let entries: Option<Vec<Scalar>> =
-                    labels.iter().zip(&a.entries).map(|(l, s)| make(self, &format!(".{l}"), *s)).collect();
-                entries.map_or(Value::Poison, |entries| Value::Array(Array { entries, labels }))
+                let entries: Option<Vec<Scalar>> = labels
+                    .iter()
+                    .zip(&a.entries)
+                    .map(|(l, s)| make(self, &format!(".{l}"), *s))
+                    .collect();
+                entries.map_or(Value::Poison, |entries| Value::Array(Array::new(entries, labels)))
             }
             Value::Matrix(m) => self.matrix_parameter(parameter, &m, make),
             other => {
                 self.sink.push(
-                    Diagnostic::error(codes::E0507, parameter.value.span, "a parameter is a number, up to three numbers, or a matrix")
-                        .label(format!("this is {}", other.kind())),
+                    Diagnostic::error(
+                        codes::E0507,
+                        parameter.value.span,
+                        "a parameter is a number, up to three numbers, or a matrix",
+                    )
+                    .label(format!("this is {}", other.kind())),
                 );
                 Value::Poison
             }
@@ -52,10 +59,17 @@ impl<'a> Resolver<'a> {
         matrix: &[[Scalar; 3]; 3],
         make: impl Fn(&mut Self, &str, Scalar) -> Option<Scalar>,
     ) -> Value<'a> {
-        let is_symmetric_call = matches!(&parameter.value.kind, ast::ExprKind::Call(n, _) if n.text == "sym");
+        let is_symmetric_call =
+            matches!(&parameter.value.kind, ast::ExprKind::Call(n, _) if n.text == "sym");
         let mut out = *matrix;
-        let places: &[(usize, usize, &str)] =
-            &[(0, 0, ".xx"), (1, 1, ".yy"), (2, 2, ".zz"), (0, 1, ".xy"), (0, 2, ".xz"), (1, 2, ".yz")];
+        let places: &[(usize, usize, &str)] = &[
+            (0, 0, ".xx"),
+            (1, 1, ".yy"),
+            (2, 2, ".zz"),
+            (0, 1, ".xy"),
+            (0, 2, ".xz"),
+            (1, 2, ".yz"),
+        ];
         for (i, j, suffix) in &places[..if is_symmetric_call { 6 } else { 3 }] {
             let Some(scalar) = make(self, suffix, matrix[*i][*j]) else { return Value::Poison };
             out[*i][*j] = scalar;
@@ -77,10 +91,17 @@ impl<'a> Resolver<'a> {
         let path = format!("{}{suffix}", parameter.name.text);
         if let Some(r) = range.filter(|r| number < r.lower || number > r.upper) {
             self.sink.push(
-                Diagnostic::error(codes::E0504, span, format!("the value of `{path}` lies outside its own range"))
-                    .label(format!("{number} in SI units"))
-                    .also(parameter.range.as_ref().map_or(span, |b| b.span), format!("{} to {}", r.lower, r.upper))
-                    .help("widen the range, or correct the value"),
+                Diagnostic::error(
+                    codes::E0504,
+                    span,
+                    format!("the value of `{path}` lies outside its own range"),
+                )
+                .label(format!("{number} in SI units"))
+                .also(
+                    parameter.range.as_ref().map_or(span, |b| b.span),
+                    format!("{} to {}", r.lower, r.upper),
+                )
+                .help("widen the range, or correct the value"),
             );
             return None;
         }
@@ -116,7 +137,13 @@ impl<'a> Resolver<'a> {
     }
 
     /// A constant of parameters' kind in SI units: plain numbers count in the declared unit.
-    fn in_unit(&mut self, scalar: Scalar, unit: &Unit, span: Span, what: &str) -> Option<(crate::model::ExprId, f64)> {
+    fn in_unit(
+        &mut self,
+        scalar: Scalar,
+        unit: &Unit,
+        span: Span,
+        what: &str,
+    ) -> Option<(crate::model::ExprId, f64)> {
         let depends = self.arena.depends(scalar.id);
         if depends.parameters || !depends.is_constant() {
             self.sink.push(
@@ -155,7 +182,11 @@ impl<'a> Resolver<'a> {
         self.sink.push(
             Diagnostic::error(codes::E0505, bounds.span, "this range is empty")
                 .label(format!("from {lower} to {upper} in SI units"))
-                .help(if lower > upper { "exchange the two ends" } else { "leave the range out, or widen it" }),
+                .help(if lower > upper {
+                    "exchange the two ends"
+                } else {
+                    "leave the range out, or widen it"
+                }),
         );
         None
     }
@@ -175,7 +206,9 @@ impl<'a> Resolver<'a> {
             Expr::Power(a, e) => get(a)?.powf(e.to_f64()?),
             Expr::Call(Function::Atan2, list) => get(list.first()?)?.atan2(get(list.get(1)?)?),
             Expr::Call(function, list) => apply(*function, get(list.first()?)?),
-            Expr::Coordinate(_) | Expr::TimeDerivative(_) | Expr::Dot(..) | Expr::Component(..) => return None,
+            Expr::Coordinate(_) | Expr::TimeDerivative(_) | Expr::Dot(..) | Expr::Component(..) => {
+                return None;
+            }
         })
     }
 }

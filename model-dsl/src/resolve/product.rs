@@ -1,12 +1,12 @@
 //! Sums and products over scalars, arrays, vectors, frames and rotations.
 
+use super::Resolver;
 use super::expr::Part;
 use super::value::{Array, Scalar, Value};
-use super::Resolver;
+use crate::Span;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::model::{Dimension, Vector};
-use crate::Span;
 use std::rc::Rc;
 
 impl<'a> Resolver<'a> {
@@ -14,7 +14,11 @@ impl<'a> Resolver<'a> {
         match value {
             Value::Scalar(s) => Value::Scalar(Scalar { id: self.arena.neg(s.id, span), ..s }),
             Value::Array(a) => {
-                let entries = a.entries.iter().map(|s| Scalar { id: self.arena.neg(s.id, span), ..*s }).collect();
+                let entries = a
+                    .entries
+                    .iter()
+                    .map(|s| Scalar { id: self.arena.neg(s.id, span), ..*s })
+                    .collect();
                 Value::Array(Array { entries, ..a })
             }
             Value::Vector(v) => {
@@ -23,13 +27,25 @@ impl<'a> Resolver<'a> {
                 self.scaled(factor, &v, span)
             }
             Value::Poison => Value::Poison,
-            other => self.kinds(span, "a negative is taken of a scalar, an array or a vector", &[(span, &other)], None),
+            other => self.kinds(
+                span,
+                "a negative is taken of a scalar, an array or a vector",
+                &[(span, &other)],
+                None,
+            ),
         }
     }
 
     /// Reports kinds that do not go together.
-    pub(super) fn kinds(&mut self, span: Span, title: &str, parts: &[(Span, &Value<'a>)], help: Option<&str>) -> Value<'a> {
-        let mut diagnostic = Diagnostic::error(codes::E0402, span, title).maybe_help(help.map(str::to_owned));
+    pub(super) fn kinds(
+        &mut self,
+        span: Span,
+        title: &str,
+        parts: &[(Span, &Value<'a>)],
+        help: Option<&str>,
+    ) -> Value<'a> {
+        let mut diagnostic =
+            Diagnostic::error(codes::E0402, span, title).maybe_help(help.map(str::to_owned));
         for (i, (at, value)) in parts.iter().enumerate() {
             let text = format!("this is {}", value.kind());
             if i + 1 == parts.len() {
@@ -56,9 +72,18 @@ impl<'a> Resolver<'a> {
         let highest = parts.iter().map(kind).max().unwrap_or(3);
         let fits = |p: &Part<'a>| kind(p) == highest || (highest == 2 && kind(p) == 1);
         let Some(first) = parts.first().filter(|_| highest < 3 && parts.iter().all(fits)) else {
-            let odd = parts.iter().find(|p| kind(p) == 3).or_else(|| parts.iter().find(|p| !fits(p))).unwrap_or(&parts[0]);
+            let odd = parts
+                .iter()
+                .find(|p| kind(p) == 3)
+                .or_else(|| parts.iter().find(|p| !fits(p)))
+                .unwrap_or(&parts[0]);
             let other = parts.iter().find(|p| !std::ptr::eq(*p, odd)).unwrap_or(odd);
-            return self.kinds(span, "these kinds cannot be added", &[(other.span, &other.value), (odd.span, &odd.value)], None);
+            return self.kinds(
+                span,
+                "these kinds cannot be added",
+                &[(other.span, &other.value), (odd.span, &odd.value)],
+                None,
+            );
         };
         match first.value {
             _ if highest == 2 => self.vector_sum(&parts, span),
@@ -93,13 +118,21 @@ impl<'a> Resolver<'a> {
                 _ => {}
             }
             let whole = start.to(span);
-            sum.id = if minus { self.arena.sub(sum.id, term.id, whole) } else { self.arena.add(sum.id, term.id, whole) };
+            sum.id = if minus {
+                self.arena.sub(sum.id, term.id, whole)
+            } else {
+                self.arena.add(sum.id, term.id, whole)
+            };
         }
         good.then_some(Scalar { id: sum.id, dimension: known.map(|k| k.0) })
     }
 
     fn unlike(&mut self, left: Span, a: Dimension, right: Span, b: Dimension, minus: bool) {
-        let title = if minus { "unlike quantities cannot be subtracted" } else { "unlike quantities cannot be added" };
+        let title = if minus {
+            "unlike quantities cannot be subtracted"
+        } else {
+            "unlike quantities cannot be added"
+        };
         let ratio = a.over(b).map(|r| r.si());
         self.sink.push(
             Diagnostic::error(codes::E0301, right, title)
@@ -112,28 +145,37 @@ impl<'a> Resolver<'a> {
     fn array_sum(&mut self, parts: &[Part<'a>]) -> Value<'a> {
         let arrays: Vec<(&Array, Span, bool)> = parts
             .iter()
-            .filter_map(|p| if let Value::Array(a) = &p.value { Some((a, p.span, p.inverse)) } else { None })
+            .filter_map(|p| {
+                if let Value::Array(a) = &p.value { Some((a, p.span, p.inverse)) } else { None }
+            })
             .collect();
         let Some((first, at, _)) = arrays.first() else { return Value::Poison };
-        if let Some((odd, span, _)) = arrays.iter().find(|(a, ..)| a.entries.len() != first.entries.len()) {
+        if let Some((odd, span, _)) =
+            arrays.iter().find(|(a, ..)| a.entries.len() != first.entries.len())
+        {
             return self.lengths(*at, first.entries.len(), *span, odd.entries.len());
         }
         let mut entries = Vec::with_capacity(first.entries.len());
         for i in 0..first.entries.len() {
-            let column = arrays.iter().map(|(a, span, minus)| (a.entries[i], *span, *minus)).collect();
+            let column =
+                arrays.iter().map(|(a, span, minus)| (a.entries[i], *span, *minus)).collect();
             match self.add_scalars(column) {
                 Some(sum) => entries.push(sum),
                 None => return Value::Poison,
             }
         }
-        Value::Array(Array { entries, labels: first.labels.clone() })
+        Value::Array(Array::new(entries, first.labels.clone()))
     }
 
     pub(super) fn lengths(&mut self, left: Span, a: usize, right: Span, b: usize) -> Value<'a> {
         self.sink.push(
-            Diagnostic::error(codes::E0406, right, "arrays of different lengths do not go together")
-                .label(format!("{b} entries"))
-                .also(left, format!("{a} entries")),
+            Diagnostic::error(
+                codes::E0406,
+                right,
+                "arrays of different lengths do not go together",
+            )
+            .label(format!("{b} entries"))
+            .also(left, format!("{a} entries")),
         );
         Value::Poison
     }
@@ -142,7 +184,9 @@ impl<'a> Resolver<'a> {
         let mut list = Vec::with_capacity(parts.len());
         let mut known: Option<(Dimension, Span)> = None;
         for part in parts {
-            let Some(mut vector) = self.as_vector(&part.value, part.span) else { return Value::Poison };
+            let Some(mut vector) = self.as_vector(&part.value, part.span) else {
+                return Value::Poison;
+            };
             match (known, vector.dimension) {
                 (Some((d, at)), Some(other)) if d != other => {
                     self.unlike(at, d, part.span, other, part.inverse);
@@ -152,13 +196,16 @@ impl<'a> Resolver<'a> {
                 _ => {}
             }
             if part.inverse {
-                let Value::Vector(minus) = self.negative(Value::Vector(vector), part.span) else { return Value::Poison };
+                let Value::Vector(minus) = self.negative(Value::Vector(vector), part.span) else {
+                    return Value::Poison;
+                };
                 vector = minus;
             }
             list.push(vector);
         }
         let terms = list.iter().map(|v| v.terms.clone()).collect::<Option<Vec<_>>>();
         let terms = terms.map(|t| Rc::new(t.iter().flat_map(|t| t.iter().cloned()).collect()));
+        self.arena.charge(terms.as_ref().map_or(0, |t: &Rc<Vec<_>>| t.len()), span);
         let id = self.arena.push_vector(Vector::Sum(list.iter().map(|v| v.id).collect()), span);
         Value::Vector(super::value::Geometric { id, dimension: known.map(|k| k.0), terms })
     }
@@ -182,13 +229,25 @@ impl<'a> Resolver<'a> {
         let span = at.to(by);
         match (left, right) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
-            (Value::Scalar(a), Value::Scalar(b)) => self.mul(a, b, span).map_or(Value::Poison, Value::Scalar),
-            (Value::Scalar(a), Value::Array(v)) | (Value::Array(v), Value::Scalar(a)) => self.scale_array(a, &v, span),
-            (Value::Scalar(a), Value::Vector(v)) | (Value::Vector(v), Value::Scalar(a)) => self.scaled(a, &v, span),
-            (Value::Scalar(a), Value::Matrix(m)) | (Value::Matrix(m), Value::Scalar(a)) => self.scale_matrix(a, &m, span),
+            (Value::Scalar(a), Value::Scalar(b)) => {
+                self.mul(a, b, span).map_or(Value::Poison, Value::Scalar)
+            }
+            (Value::Scalar(a), Value::Array(v)) | (Value::Array(v), Value::Scalar(a)) => {
+                self.scale_array(a, &v, span)
+            }
+            (Value::Scalar(a), Value::Vector(v)) | (Value::Vector(v), Value::Scalar(a)) => {
+                self.scaled(a, &v, span)
+            }
+            (Value::Scalar(a), Value::Matrix(m)) | (Value::Matrix(m), Value::Scalar(a)) => {
+                self.scale_matrix(a, &m, span)
+            }
             (Value::Frame(f), Value::Rotation(r)) => Value::Turned(f, r),
-            (Value::Turned(f, a), Value::Rotation(b)) => Value::Turned(f, Rc::new(a.iter().chain(b.iter()).copied().collect())),
-            (Value::Rotation(a), Value::Rotation(b)) => Value::Rotation(Rc::new(a.iter().chain(b.iter()).copied().collect())),
+            (Value::Turned(f, a), Value::Rotation(b)) => {
+                Value::Turned(f, Rc::new(a.iter().chain(b.iter()).copied().collect()))
+            }
+            (Value::Rotation(a), Value::Rotation(b)) => {
+                Value::Rotation(Rc::new(a.iter().chain(b.iter()).copied().collect()))
+            }
             (Value::Frame(f), Value::Array(v)) => self.in_frame(f, &v, by, span),
             (Value::Turned(f, r), Value::Array(v)) => {
                 let frame = self.unnamed_frame(f, &r, at);
@@ -217,7 +276,10 @@ impl<'a> Resolver<'a> {
             Value::Scalar(a) => self.div(a, divisor, span).map_or(Value::Poison, Value::Scalar),
             Value::Poison => Value::Poison,
             other => {
-                let one = Scalar { id: self.arena.number(crate::units::ratio(1, 1), by), dimension: Some(Dimension::NONE) };
+                let one = Scalar {
+                    id: self.arena.number(crate::units::ratio(1, 1), by),
+                    dimension: Some(Dimension::NONE),
+                };
                 match self.div(one, divisor, by) {
                     Some(inverse) => self.times(other, at, Value::Scalar(inverse), by),
                     None => Value::Poison,
@@ -260,7 +322,7 @@ impl<'a> Resolver<'a> {
             let Some(product) = self.mul(factor, *entry, span) else { return Value::Poison };
             entries.push(product);
         }
-        Value::Array(Array { entries, labels: array.labels.clone() })
+        Value::Array(Array::new(entries, array.labels.clone()))
     }
 
     fn scale_matrix(&mut self, factor: Scalar, matrix: &[[Scalar; 3]; 3], span: Span) -> Value<'a> {
@@ -278,17 +340,21 @@ fn product_help(a: &Value<'_>, b: &Value<'_>) -> Option<&'static str> {
         (Value::Array(_) | Value::Vector(_), Value::Array(_) | Value::Vector(_)) => {
             Some("write `dot(a, b)` for the scalar product, `cross(a, b)` for the vector product")
         }
-        (Value::Frame(_) | Value::Turned(..), Value::Frame(_) | Value::Turned(..)) => {
-            Some("a frame contains its parents already; turn one frame with `rot_x`, `rot_y`, `rot_z`")
-        }
+        (Value::Frame(_) | Value::Turned(..), Value::Frame(_) | Value::Turned(..)) => Some(
+            "a frame contains its parents already; turn one frame with `rot_x`, `rot_y`, `rot_z`",
+        ),
         (Value::Scalar(_), Value::Frame(_) | Value::Turned(..)) => {
             Some("put the factor behind the vector or into its entries: `body*[0, 0, 2*l]`")
         }
-        (Value::Frame(_) | Value::Turned(..), Value::Vector(_)) => {
-            Some("a vector knows its frame already; multiply a frame with plain components `[a, b, c]`")
+        (Value::Frame(_) | Value::Turned(..), Value::Vector(_)) => Some(
+            "a vector knows its frame already; multiply a frame with plain components `[a, b, c]`",
+        ),
+        (Value::Rotation(_), _) => Some(
+            "a rotation turns a frame: write `world * rot_y(a)`, then multiply with components",
+        ),
+        (_, Value::Rotation(_)) => {
+            Some("a rotation stands behind the frame that it turns: `world * rot_y(a)`")
         }
-        (Value::Rotation(_), _) => Some("a rotation turns a frame: write `world * rot_y(a)`, then multiply with components"),
-        (_, Value::Rotation(_)) => Some("a rotation stands behind the frame that it turns: `world * rot_y(a)`"),
         _ => None,
     }
 }

@@ -1,12 +1,12 @@
 //! Names and where they are known.
 
-use super::value::Value;
 use super::Resolver;
+use super::value::Value;
 use crate::ast::{IndexedName, Name};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::suggest::closest;
-use crate::{units, Span};
+use crate::{Span, units};
 use std::collections::BTreeMap;
 
 /// A name with its index, if it has one.
@@ -35,17 +35,19 @@ pub(crate) struct Scope<'a> {
 
 /// Functions, constants and clause words.
 pub(crate) const BUILTIN: &[&str] = &[
-    "world", "pi", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "sqrt", "exp", "ln",
-    "rot_x", "rot_y", "rot_z", "dot", "cross", "omega", "diag", "sym", "sum", "dt", "in", "on", "at", "along", "limit",
-    "abs", "min", "max", "sign", "floor", "ceil", "round", "mod",
+    "world", "pi", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh",
+    "sqrt", "exp", "ln", "rot_x", "rot_y", "rot_z", "dot", "cross", "omega", "diag", "sym", "sum",
+    "dt", "in", "on", "at", "along", "limit", "abs", "min", "max", "sign", "floor", "ceil",
+    "round", "mod",
 ];
 
 /// A name of the model becomes a name in Rust.
 const RUST: &[&str] = &[
-    "abstract", "as", "async", "await", "become", "box", "break", "continue", "crate", "do", "dyn", "else", "enum",
-    "extern", "false", "final", "fn", "for", "gen", "if", "impl", "loop", "macro", "match", "mod", "move", "mut",
-    "override", "priv", "pub", "ref", "return", "self", "Self", "static", "struct", "super", "trait", "true", "try",
-    "type", "typeof", "union", "unsafe", "unsized", "use", "virtual", "where", "while", "yield", "_",
+    "abstract", "as", "async", "await", "become", "box", "break", "continue", "crate", "do", "dyn",
+    "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "loop", "macro",
+    "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return", "self", "Self",
+    "static", "struct", "super", "trait", "true", "try", "type", "typeof", "union", "unsafe",
+    "unsized", "use", "virtual", "where", "while", "yield", "_",
 ];
 
 impl<'a> Resolver<'a> {
@@ -82,9 +84,17 @@ impl<'a> Resolver<'a> {
         Some((name.name.text.clone(), index))
     }
 
+    /// A text for the model; repetitions must not multiply it without bounds.
+    pub(crate) fn copy_of(&mut self, text: &str, span: Span) -> String {
+        self.arena.charge(text.len() / 8, span);
+        text.to_owned()
+    }
+
     pub(crate) fn bind(&mut self, key: Key, value: Value<'a>, span: Span) {
-        if BUILTIN.contains(&key.0.as_str()) || RUST.contains(&key.0.as_str()) || is_statement(&key.0) {
-            self.reserved(&key.0, span);
+        if let Value::Array(array) = &value {
+            self.arena.charge(array.entries.len(), span);
+        }
+        if self.is_reserved(&key.0, span) {
             return;
         }
         let scope = if key.1.is_some() { self.block_scope() } else { self.scope };
@@ -100,13 +110,21 @@ impl<'a> Resolver<'a> {
         self.scopes[scope].names.insert(key, Binding { value, span });
     }
 
-    fn reserved(&mut self, name: &str, span: Span) {
-        let why = if RUST.contains(&name) { "a word of Rust, where the names end up" } else { "a word of the language" };
+    /// Reports a name that means something already.
+    pub(crate) fn is_reserved(&mut self, name: &str, span: Span) -> bool {
+        let why = if RUST.contains(&name) {
+            "a word of Rust, where the names end up"
+        } else if BUILTIN.contains(&name) || is_statement(name) {
+            "a word of the language"
+        } else {
+            return false;
+        };
         self.sink.push(
             Diagnostic::error(codes::E0205, span, format!("`{name}` cannot be used as a name"))
                 .label(why)
                 .help(format!("add something to it, such as `{}_1`", name.trim_end_matches('_'))),
         );
+        true
     }
 
     /// Finds a name in this scope or one around it.
@@ -134,16 +152,23 @@ impl<'a> Resolver<'a> {
     /// Reports a name that nothing declares.
     pub(crate) fn unknown(&mut self, name: &Name, index: Option<i64>) {
         let shown = plain_path(&(name.text.clone(), index));
-        if let Some(later) = self.declared.get(&name.text).copied().filter(|s| s.start > name.span.start) {
-            let diagnostic = Diagnostic::error(codes::E0206, name.span, format!("`{shown}` is used before it is declared"))
-                .label("not known yet")
-                .also(later, "declared here")
-                .help("move the declaration up; a file is read from top to bottom");
+        if let Some(later) =
+            self.declared.get(&name.text).copied().filter(|s| s.start > name.span.start)
+        {
+            let diagnostic = Diagnostic::error(
+                codes::E0206,
+                name.span,
+                format!("`{shown}` is used before it is declared"),
+            )
+            .label("not known yet")
+            .also(later, "declared here")
+            .help("move the declaration up; a file is read from top to bottom");
             self.sink.push(diagnostic);
             return;
         }
         let mut diagnostic =
-            Diagnostic::error(codes::E0201, name.span, format!("nothing is called `{shown}`")).label("unknown name");
+            Diagnostic::error(codes::E0201, name.span, format!("nothing is called `{shown}`"))
+                .label("unknown name");
         if !self.sink.is_crowded() {
             diagnostic = diagnostic.maybe_help(self.similar(name, index));
         }
@@ -178,9 +203,10 @@ impl<'a> Resolver<'a> {
             if first == span && self.level() != Level::Repetition {
                 return;
             }
-            let mut diagnostic = Diagnostic::error(codes::E0203, span, format!("two {family} are called `{name}`"))
-                .label("second use of the name")
-                .note("generated code writes `theta.x` and `theta_x` alike as `theta_x`");
+            let mut diagnostic =
+                Diagnostic::error(codes::E0203, span, format!("two {family} are called `{name}`"))
+                    .label("second use of the name")
+                    .note("generated code writes `theta.x` and `theta_x` alike as `theta_x`");
             if first == span {
                 diagnostic = diagnostic.help("within `repeat`, give it the index: `name[i]`");
             } else {
@@ -207,5 +233,7 @@ pub(crate) fn identifier(path: &str) -> String {
 
 /// Whether a number's unit suffix is also a declared name.
 pub(crate) fn is_ambiguous(resolver: &Resolver<'_>, suffix: &str) -> bool {
-    !matches!(suffix, "deg" | "rad") && units::find(suffix).is_some() && resolver.find(&(suffix.to_owned(), None)).is_some()
+    !matches!(suffix, "deg" | "rad")
+        && units::find(suffix).is_some()
+        && resolver.find(&(suffix.to_owned(), None)).is_some()
 }

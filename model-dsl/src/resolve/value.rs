@@ -1,6 +1,7 @@
 //! What an expression of the language stands for while it is being resolved.
 
 use super::arena::Arena;
+use crate::Span;
 use crate::ast;
 use crate::model::{Axis, CoordinateId, Dimension, Expr, ExprId, FrameId, FrameVector, VectorId};
 use std::rc::Rc;
@@ -17,6 +18,14 @@ pub(crate) struct Scalar {
 pub(crate) struct Array {
     pub(crate) entries: Vec<Scalar>,
     pub(crate) labels: Rc<[String]>,
+    /// Places of the entries, if they were written one by one.
+    pub(crate) spans: Rc<[Span]>,
+}
+
+impl Array {
+    pub(crate) fn new(entries: Vec<Scalar>, labels: Rc<[String]>) -> Self {
+        Self { entries, labels, spans: Rc::new([]) }
+    }
 }
 
 /// A geometric vector.

@@ -1,13 +1,13 @@
 //! Geometric vectors: norms, rates, components, positions.
 
-use super::value::{Array, Geometric, Scalar, Value};
 use super::Resolver;
+use super::value::{Array, Geometric, Scalar, Value};
+use crate::Span;
 use crate::ast;
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::model::{Axis, Dimension, Expr, ExprId, Frame, FrameId, FrameVector, Position, Vector};
 use crate::units::ratio;
-use crate::Span;
 use num_rational::BigRational;
 use num_traits::ToPrimitive;
 use std::collections::BTreeMap;
@@ -18,10 +18,12 @@ impl<'a> Resolver<'a> {
     pub(super) fn as_vector(&mut self, value: &Value<'a>, span: Span) -> Option<Geometric> {
         match value {
             Value::Vector(v) => Some(v.clone()),
-            Value::Array(a) if a.entries.len() == 3 => match self.in_frame(FrameId::WORLD, a, span, span) {
-                Value::Vector(v) => Some(v),
-                _ => None,
-            },
+            Value::Array(a) if a.entries.len() == 3 => {
+                match self.in_frame(FrameId::WORLD, a, span, span) {
+                    Value::Vector(v) => Some(v),
+                    _ => None,
+                }
+            }
             Value::Poison => None,
             other => {
                 self.sink.push(
@@ -35,7 +37,13 @@ impl<'a> Resolver<'a> {
     }
 
     /// `frame * [a, b, c]`
-    pub(super) fn in_frame(&mut self, frame: FrameId, array: &Array, at: Span, span: Span) -> Value<'a> {
+    pub(super) fn in_frame(
+        &mut self,
+        frame: FrameId,
+        array: &Array,
+        at: Span,
+        span: Span,
+    ) -> Value<'a> {
         let [a, b, c] = array.entries[..] else {
             let count = array.entries.len();
             self.sink.push(
@@ -45,32 +53,37 @@ impl<'a> Resolver<'a> {
             );
             return Value::Poison;
         };
-        let list = [a, b, c].map(|s| (s, at, false)).to_vec();
-        let Some(dimension) = self.common_dimension(&list) else { return Value::Poison };
+        let spans: Vec<Span> = (0..3).map(|i| array.spans.get(i).copied().unwrap_or(at)).collect();
+        let Some(dimension) = self.common_dimension(&array.entries, &spans) else {
+            return Value::Poison;
+        };
         let vector = FrameVector { frame, entries: [a.id, b.id, c.id] };
         let id = self.arena.push_vector(Vector::InFrame(vector.clone()), span);
         Value::Vector(Geometric { id, dimension, terms: Some(Rc::new(vec![vector])) })
     }
 
     /// The dimension that all have; reports unlike ones.
-    fn common_dimension(&mut self, list: &[(Scalar, Span, bool)]) -> Option<Option<Dimension>> {
-        let mut known: Option<Dimension> = None;
-        for (scalar, ..) in list {
-            let span = self.arena.expressions[scalar.id.0 as usize].1;
+    fn common_dimension(&mut self, list: &[Scalar], spans: &[Span]) -> Option<Option<Dimension>> {
+        let mut known: Option<(Dimension, Span)> = None;
+        for (scalar, span) in list.iter().zip(spans) {
             match (known, scalar.dimension) {
-                (Some(d), Some(other)) if d != other => {
+                (Some((d, at)), Some(other)) if d != other => {
                     self.sink.push(
-                        Diagnostic::error(codes::E0301, span, "the components of a vector are quantities of one kind")
-                            .label(other.describe())
-                            .note(format!("the components before are {}", d.describe())),
+                        Diagnostic::error(
+                            codes::E0301,
+                            *span,
+                            "the components of a vector are quantities of one kind",
+                        )
+                        .label(other.describe())
+                        .also(at, d.describe()),
                     );
                     return None;
                 }
-                (None, d) => known = d,
+                (None, Some(d)) => known = Some((d, *span)),
                 _ => {}
             }
         }
-        Some(known)
+        Some(known.map(|k| k.0))
     }
 
     /// `factor * vector`, on its terms as well.
@@ -94,7 +107,12 @@ impl<'a> Resolver<'a> {
     }
 
     /// `|v|^power`
-    pub(super) fn norm(&mut self, inner: &'a ast::Expr, power: &BigRational, span: Span) -> Value<'a> {
+    pub(super) fn norm(
+        &mut self,
+        inner: &'a ast::Expr,
+        power: &BigRational,
+        span: Span,
+    ) -> Value<'a> {
         let value = self.eval(inner);
         let half = power / ratio(2, 1);
         let squared = match &value {
@@ -103,7 +121,14 @@ impl<'a> Resolver<'a> {
             Value::Scalar(_) => return self.absolute(span),
             Value::Array(a) => self.dot_arrays(a, a, span),
             Value::Vector(v) => self.dot_vectors(v, v, span),
-            other => return self.kinds(span, "a norm is taken of a vector or an array", &[(inner.span, other)], None),
+            other => {
+                return self.kinds(
+                    span,
+                    "a norm is taken of a vector or an array",
+                    &[(inner.span, other)],
+                    None,
+                );
+            }
         };
         match squared {
             Some(scalar) => self.raise(scalar, &half, span),
@@ -143,7 +168,12 @@ impl<'a> Resolver<'a> {
         self.add_scalars(terms)
     }
 
-    pub(super) fn dot_vectors(&mut self, a: &Geometric, b: &Geometric, span: Span) -> Option<Scalar> {
+    pub(super) fn dot_vectors(
+        &mut self,
+        a: &Geometric,
+        b: &Geometric,
+        span: Span,
+    ) -> Option<Scalar> {
         let dimension = match (a.dimension, b.dimension) {
             (Some(x), Some(y)) => Some(x.times(y)?),
             _ => None,
@@ -155,11 +185,14 @@ impl<'a> Resolver<'a> {
         match value {
             Value::Scalar(s) => self.scalar_rate(s, span).map_or(Value::Poison, Value::Scalar),
             Value::Array(a) => {
-                let entries: Option<Vec<Scalar>> = a.entries.iter().map(|s| self.scalar_rate(*s, span)).collect();
-                entries.map_or(Value::Poison, |entries| Value::Array(Array { entries, labels: a.labels }))
+                let entries: Option<Vec<Scalar>> =
+                    a.entries.iter().map(|s| self.scalar_rate(*s, span)).collect();
+                entries.map_or(Value::Poison, |entries| Value::Array(Array::new(entries, a.labels)))
             }
             Value::Vector(v) => {
-                let Some(dimension) = rate_dimension(v.dimension) else { return self.exponent_overflow(span) };
+                let Some(dimension) = rate_dimension(v.dimension) else {
+                    return self.exponent_overflow(span);
+                };
                 let id = self.arena.push_vector(Vector::TimeDerivative(v.id), span);
                 Value::Vector(Geometric { id, dimension, terms: None })
             }
@@ -167,7 +200,12 @@ impl<'a> Resolver<'a> {
             other => {
                 let help = matches!(other, Value::Frame(_) | Value::Turned(..))
                     .then_some("the angular velocity of a frame is `omega(frame)`");
-                self.kinds(span, "a rate is taken of a scalar, an array or a vector", &[(inner, &other)], help)
+                self.kinds(
+                    span,
+                    "a rate is taken of a scalar, an array or a vector",
+                    &[(inner, &other)],
+                    help,
+                )
             }
         }
     }
@@ -192,8 +230,15 @@ impl<'a> Resolver<'a> {
         Some(Scalar { id: self.arena.push(Expr::TimeDerivative(scalar.id), span), dimension })
     }
 
-    pub(super) fn component_of(&mut self, vector: &Geometric, axis: usize, span: Span) -> Value<'a> {
-        if let Some(terms) = vector.terms.as_ref().filter(|t| t.iter().all(|t| t.frame == FrameId::WORLD)) {
+    pub(super) fn component_of(
+        &mut self,
+        vector: &Geometric,
+        axis: usize,
+        span: Span,
+    ) -> Value<'a> {
+        if let Some(terms) =
+            vector.terms.as_ref().filter(|t| t.iter().all(|t| t.frame == FrameId::WORLD))
+        {
             let id = self.add_entries(terms.iter().map(|t| t.entries[axis]).collect(), span);
             return Value::Scalar(Scalar { id, dimension: vector.dimension });
         }
@@ -217,11 +262,14 @@ impl<'a> Resolver<'a> {
     }
 
     /// A place in space: terms of one frame merged, parents first.
-    pub(super) fn position(&mut self, value: &Value<'a>, span: Span, what: &str) -> Option<(Position, Geometric)> {
+    pub(super) fn position(
+        &mut self,
+        value: &Value<'a>,
+        span: Span,
+        what: &str,
+    ) -> Option<(Position, Geometric)> {
         let vector = self.as_vector(value, span)?;
-        let probe = ExprId(0);
-        let scalar = Scalar { id: probe, dimension: vector.dimension };
-        if !self.demand(scalar, Dimension::LENGTH, span, what) {
+        if !self.demand_dimension(vector.dimension, Dimension::LENGTH, None, span, what) {
             return None;
         }
         let Some(terms) = vector.terms.clone() else {
@@ -247,20 +295,35 @@ impl<'a> Resolver<'a> {
         }
         let terms: Vec<FrameVector> = merged
             .into_iter()
-            .map(|(frame, columns)| FrameVector { frame, entries: columns.map(|c| self.add_entries(c, span)) })
+            .map(|(frame, columns)| FrameVector {
+                frame,
+                entries: columns.map(|c| self.add_entries(c, span)),
+            })
             .collect();
         Some((Position { terms }, vector))
     }
 
     /// Registers a frame and returns its id.
-    pub(super) fn new_frame(&mut self, name: String, parent: FrameId, turns: &[(Axis, ExprId)], span: Span) -> FrameId {
+    pub(super) fn new_frame(
+        &mut self,
+        name: String,
+        parent: FrameId,
+        turns: &[(Axis, ExprId)],
+        span: Span,
+    ) -> FrameId {
         self.arena.push_frame(Some(parent), turns.iter().map(|t| t.1));
         self.frames.push(Frame { name, parent: Some(parent), rotations: turns.to_vec(), span });
         FrameId(u32::try_from(self.frames.len() - 1).unwrap_or(u32::MAX))
     }
 
-    pub(super) fn unnamed_frame(&mut self, parent: FrameId, turns: &[(Axis, ExprId)], span: Span) -> FrameId {
-        let existing = self.frames.iter().position(|f| f.parent == Some(parent) && f.rotations == turns);
+    pub(super) fn unnamed_frame(
+        &mut self,
+        parent: FrameId,
+        turns: &[(Axis, ExprId)],
+        span: Span,
+    ) -> FrameId {
+        let existing =
+            self.frames.iter().position(|f| f.parent == Some(parent) && f.rotations == turns);
         if let Some(i) = existing {
             return FrameId(u32::try_from(i).unwrap_or(u32::MAX));
         }

@@ -36,12 +36,12 @@ robot Everything {
     lagrangian m_1*dot(cross(d/dt(p[1]), d/dt(p[2])), world*[0, 0, 1])*1;
     gravity g along -world.z;
 
-    component Arm(alpha: rad[x, y], side: 1, base: frame, at: m[3], q: point) {
+    component Arm(alpha: rad[x, y], side: 1, base: frame, place: m[3], q: point) {
         frame arm = base * rot_x(alpha.x);
         shape beta: rad in -1..1;
         rigid weight { mass: m_1, frame: arm, com: q + arm*[0, side*l, 0] }
         point hand = weight.com;
-        shape capsule(l/10, l) on arm at at + q;
+        shape capsule(l/10, l) on arm at place + q;
         actuator drive on d/dt(beta);
     }
     left = Arm(θ, +1, link[1], base, p[1]);

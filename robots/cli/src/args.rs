@@ -256,7 +256,8 @@ fn points(text: &str) -> Result<Points, String> {
 }
 
 fn assignment(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
+    let (name, value) =
+        text.split_once('=').ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
     Ok((name.trim().to_owned(), number(value)?))
 }
 
@@ -273,7 +274,10 @@ mod tests {
     #[test]
     fn points_are_lists_of_finite_numbers() {
         assert_eq!(point("2,-0.5"), Ok(Point(vec![2.0, -0.5])));
-        assert_eq!(points("0,0  1,2"), Ok(Points(vec![Point(vec![0.0, 0.0]), Point(vec![1.0, 2.0])])));
+        assert_eq!(
+            points("0,0  1,2"),
+            Ok(Points(vec![Point(vec![0.0, 0.0]), Point(vec![1.0, 2.0])]))
+        );
         assert!(point("2,x").is_err() && point("nan").is_err() && point("").is_err());
     }
 

@@ -94,7 +94,8 @@ fn closest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         return None;
     }
     let allowed = 1 + name.chars().count() / 3;
-    let distance = |other: &str| strsim::damerau_levenshtein(&name.to_lowercase(), &other.to_lowercase());
+    let distance =
+        |other: &str| strsim::damerau_levenshtein(&name.to_lowercase(), &other.to_lowercase());
     let candidates = known.iter().map(|&other| (distance(other), other));
     candidates.filter(|(d, _)| *d <= allowed).min().map(|(_, other)| other)
 }

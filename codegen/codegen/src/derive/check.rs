@@ -12,7 +12,13 @@ pub(crate) fn check(work: &mut Mechanics<'_>) -> Result<(), Vec<Diagnostic>> {
     for body in &model.bodies {
         constant(work, body.mass, body.span, &format!("the mass of `{}`", body.name), &mut found);
         for entry in body.inertia.iter().flatten() {
-            constant(work, *entry, body.span, &format!("the inertia of `{}`", body.name), &mut found);
+            constant(
+                work,
+                *entry,
+                body.span,
+                &format!("the inertia of `{}`", body.name),
+                &mut found,
+            );
         }
     }
     for term in &model.kinetic {
@@ -31,9 +37,13 @@ pub(crate) fn check(work: &mut Mechanics<'_>) -> Result<(), Vec<Diagnostic>> {
     if work.lowering.graph.singular().is_some() {
         let whole = Span { start: 0, end: 0 };
         found.push(
-            Diagnostic::error(codes::P0615, whole, "an expression divides by zero for all values of its symbols")
-                .note("a denominator of the model vanishes identically, so its equations do not exist")
-                .help("look for a difference of equal terms under a `/` or inside `ln`"),
+            Diagnostic::error(
+                codes::P0615,
+                whole,
+                "an expression divides by zero for all values of its symbols",
+            )
+            .note("a denominator of the model vanishes identically, so its equations do not exist")
+            .help("look for a difference of equal terms under a `/` or inside `ln`"),
         );
     }
     found.sort_by_key(|d| d.span);
@@ -45,7 +55,13 @@ fn moves(symbol: &Symbol) -> bool {
     !matches!(symbol, Symbol::Parameter(_))
 }
 
-fn constant(work: &mut Mechanics<'_>, expr: ExprId, span: Span, what: &str, found: &mut Vec<Diagnostic>) {
+fn constant(
+    work: &mut Mechanics<'_>,
+    expr: ExprId,
+    span: Span,
+    what: &str,
+    found: &mut Vec<Diagnostic>,
+) {
     let value = work.lowering.scalar(expr);
     if symbols_of(&work.lowering.graph, &[value]).iter().any(moves) {
         let place = work.lowering.model.expr_span(expr);
@@ -68,7 +84,9 @@ fn quadratic(work: &mut Mechanics<'_>, value: Id, span: Span, found: &mut Vec<Di
     let half = graph.fraction(1, 2);
     let form = graph.mul(half, twice);
     let entries: Vec<Id> = hessian.concat();
-    let curved = symbols_of(graph, &entries).iter().any(|s| matches!(s, Symbol::Rate(_) | Symbol::Acceleration(_)));
+    let curved = symbols_of(graph, &entries)
+        .iter()
+        .any(|s| matches!(s, Symbol::Rate(_) | Symbol::Acceleration(_)));
     if form != value || curved {
         found.push(
             Diagnostic::error(codes::P0610, span, "this kinetic energy is no quadratic form in the rates")

@@ -76,7 +76,8 @@ fn composites(graph: &mut Graph, tree: &Tree) -> Composites {
     for attachment in &tree.attachments {
         merge(graph, &mut local[attachment.point][attachment.hinge], attachment.inertia.clone());
     }
-    let mut out = Composites { by_hinge: vec![Vec::new(); hinges], at_point: vec![None; tree.points.len()] };
+    let mut out =
+        Composites { by_hinge: vec![Vec::new(); hinges], at_point: vec![None; tree.points.len()] };
     for p in (0..tree.points.len()).rev() {
         let point = &tree.points[p];
         for h in (0..hinges).rev() {
@@ -143,7 +144,7 @@ fn shift(graph: &mut Graph, inertia: &Inertia, v: Vec3) -> Inertia {
 
 /// Momentum of everything beyond an element that moves at unit rate.
 fn unit_load(graph: &mut Graph, tree: &Tree, composites: &Composites, element: Element) -> Loads {
-    let mut loads = Loads::new(graph, tree);
+    let mut loads = Loads::new(tree);
     match element {
         Element::Hinge(h) => {
             let axis = tree.hinges[h].rotation.axis;
@@ -169,7 +170,13 @@ fn unit_load(graph: &mut Graph, tree: &Tree, composites: &Composites, element: E
 }
 
 /// Adds an entry between two elements to the coordinates that move them.
-fn spread(graph: &mut Graph, tree: &Tree, mass: &mut [Vec<Id>], (a, b): (Element, Element), entry: Id) {
+fn spread(
+    graph: &mut Graph,
+    tree: &Tree,
+    mass: &mut [Vec<Id>],
+    (a, b): (Element, Element),
+    entry: Id,
+) {
     let slope = |element: Element, j: usize| match element {
         Element::Hinge(h) => tree.hinges[h].slopes[j],
         Element::Component(p, k) => tree.points[p].slopes[j][k],

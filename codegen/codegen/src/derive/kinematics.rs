@@ -48,7 +48,8 @@ fn center_of_mass(base: &Mechanics<'_>) -> Function {
         total = lowering.graph.add(total, mass);
     }
     let graph = &mut lowering.graph;
-    let center = if graph.is_zero(total) { weighted } else { weighted.map(|w| graph.div(w, total)) };
+    let center =
+        if graph.is_zero(total) { weighted } else { weighted.map(|w| graph.div(w, total)) };
     let candidate = Candidate::new(DIRECT, graph, vec![vector("position", center.to_vec())]);
     choose(Quantity::CenterOfMass, vec![candidate], Effort::Quick)
 }
@@ -73,7 +74,7 @@ fn frame_rotation(base: &Mechanics<'_>, frame: usize) -> Function {
     let id = shapebot_model_dsl::model::FrameId(number(frame));
     let columns = [0, 1, 2].map(|k| {
         let axis = v3::unit(&lowering.graph, k);
-        lowering.to_world(id, axis)
+        lowering.world_components(id, axis)
     });
     let rows: Vec<Vec<Id>> = (0..3).map(|i| columns.iter().map(|c| c[i]).collect()).collect();
     let candidate = Candidate::new(DIRECT, &lowering.graph, vec![matrix("rotation", &rows)]);
@@ -123,4 +124,3 @@ fn output(base: &Mechanics<'_>) -> Vec<Function> {
         })
         .collect()
 }
-

@@ -43,7 +43,11 @@ pub(crate) fn mass_matrix(base: &Mechanics<'_>) -> Function {
     let mut candidates = Vec::new();
     let mut work = base.clone();
     if let Some(mass) = work.mass_by_composites() {
-        candidates.push(Candidate::new(COMPOSITES, work.graph(), vec![matrix("mass_matrix", &mass)]));
+        candidates.push(Candidate::new(
+            COMPOSITES,
+            work.graph(),
+            vec![matrix("mass_matrix", &mass)],
+        ));
     }
     let mut work = base.clone();
     let mass = work.mass_from_energy();
@@ -57,7 +61,11 @@ fn coriolis_vector(base: &Mechanics<'_>, mass: &Function) -> Function {
     for (method, form) in [(RECURSION, BodyForm::Tensor), (MOMENTS, BodyForm::SecondMoments)] {
         let mut work = base.clone();
         let bias = work.bias_by_recursion(form);
-        candidates.push(Candidate::new(method, work.graph(), vec![vector("coriolis_vector", bias)]));
+        candidates.push(Candidate::new(
+            method,
+            work.graph(),
+            vec![vector("coriolis_vector", bias)],
+        ));
     }
     if let Some((graph, bias)) = bias_from_mass(base, mass) {
         candidates.push(Candidate::new(MASS_MATRIX, &graph, vec![vector("coriolis_vector", bias)]));
@@ -168,8 +176,10 @@ fn coriolis_matrix(base: &Mechanics<'_>, mass: &Function) -> Function {
         }
     }
     let direct = christoffel(&mut graph, &slopes, &rates, n);
-    let first = Candidate::new("symmetric and skew parts", &graph, vec![matrix("coriolis_matrix", &rows)]);
-    let second = Candidate::new("Christoffel symbols", &graph, vec![matrix("coriolis_matrix", &direct)]);
+    let first =
+        Candidate::new("symmetric and skew parts", &graph, vec![matrix("coriolis_matrix", &rows)]);
+    let second =
+        Candidate::new("Christoffel symbols", &graph, vec![matrix("coriolis_matrix", &direct)]);
     choose(Quantity::CoriolisMatrix, vec![first, second], Effort::Quick)
 }
 

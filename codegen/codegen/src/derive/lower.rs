@@ -1,7 +1,7 @@
 //! The model's expressions as values of a graph.
 
-use super::vector::{self, Rotation, Vec3};
 use super::Parameters;
+use super::vector::{self, Rotation, Vec3};
 use shapebot_model_dsl::model::{
     CoordinateId, Expr, ExprId, FrameId, FrameVector, Function, Model, Position, Vector, VectorId,
 };
@@ -144,7 +144,8 @@ impl<'m> Lowering<'m> {
 
     /// Scalar product; in the common frame where both are written in one.
     fn dot(&mut self, a: VectorId, b: VectorId) -> Id {
-        if let (Vector::InFrame(x), Vector::InFrame(y)) = (self.model.vector(a), self.model.vector(b))
+        if let (Vector::InFrame(x), Vector::InFrame(y)) =
+            (self.model.vector(a), self.model.vector(b))
             && x.frame == y.frame
         {
             let (x, y) = (self.entries(x), self.entries(y));
@@ -168,7 +169,7 @@ impl<'m> Lowering<'m> {
         let value = match model.vector(id) {
             Vector::InFrame(v) => {
                 let entries = self.entries(v);
-                self.to_world(v.frame, entries)
+                self.world_components(v.frame, entries)
             }
             Vector::Sum(terms) => {
                 let mut sum = vector::zero(&self.graph);
@@ -197,7 +198,7 @@ impl<'m> Lowering<'m> {
     }
 
     /// World components of a vector given along a frame's axes.
-    pub(crate) fn to_world(&mut self, frame: FrameId, mut v: Vec3) -> Vec3 {
+    pub(crate) fn world_components(&mut self, frame: FrameId, mut v: Vec3) -> Vec3 {
         let mut at = Some(frame);
         while let Some(FrameId(f)) = at {
             for rotation in self.frame_rotations(FrameId(f)).into_iter().rev() {
@@ -240,7 +241,7 @@ impl<'m> Lowering<'m> {
                     v = rotation.to_parent(&mut self.graph, v);
                 }
                 if let Some(parent) = declared.parent {
-                    v = self.to_world(parent, v);
+                    v = self.world_components(parent, v);
                 }
                 sum = vector::add(&mut self.graph, sum, v);
             }
@@ -254,7 +255,7 @@ impl<'m> Lowering<'m> {
         let mut sum = vector::zero(&self.graph);
         for term in &position.terms {
             let entries = self.entries(term);
-            let world = self.to_world(term.frame, entries);
+            let world = self.world_components(term.frame, entries);
             sum = vector::add(&mut self.graph, sum, world);
         }
         sum

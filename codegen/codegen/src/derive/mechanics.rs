@@ -1,12 +1,12 @@
 //! A model's mechanics in one graph: the tree of its rigid bodies and the terms written out.
 
+use super::Parameters;
 use super::composite;
 use super::energy;
 use super::lower::{Lowering, number};
 use super::recursion::{self, BodyForm, Motion};
 use super::tree::Tree;
 use super::vector::{self, Vec3};
-use super::Parameters;
 use shapebot_model_dsl::model::{EnergyTerm, Gravity, Model};
 use shapebot_symbolic::{Graph, Id, Symbol, Tangent, gradient};
 
@@ -141,7 +141,13 @@ impl<'m> Mechanics<'m> {
 
     /// M q̈ + C q̇ + G of the rigid bodies by recursion and of the written terms by Euler–Lagrange,
     /// for given rates and accelerations, with or without gravity and the written potential.
-    pub(crate) fn forces(&mut self, rates: &[Id], accelerations: &[Id], gravity: bool, form: BodyForm) -> Vec<Id> {
+    pub(crate) fn forces(
+        &mut self,
+        rates: &[Id],
+        accelerations: &[Id],
+        gravity: bool,
+        form: BodyForm,
+    ) -> Vec<Id> {
         let none = vector::zero(&self.lowering.graph);
         let motion = Motion {
             rates: rates.to_vec(),
@@ -186,13 +192,19 @@ impl<'m> Mechanics<'m> {
     }
 
     fn gradient_q(&mut self, value: Id) -> Vec<Id> {
-        let symbols: Vec<Symbol> = (0..self.count()).map(|i| Symbol::Coordinate(number(i))).collect();
+        let symbols: Vec<Symbol> =
+            (0..self.count()).map(|i| Symbol::Coordinate(number(i))).collect();
         let one = self.lowering.graph.one();
         gradient(&mut self.lowering.graph, &[(value, one)], &symbols)
     }
 
     /// d/dt ∂T/∂q̇ − ∂T/∂q at given rates and accelerations.
-    pub(crate) fn euler_lagrange(&mut self, kinetic: Id, rates: &[Id], accelerations: &[Id]) -> Vec<Id> {
+    pub(crate) fn euler_lagrange(
+        &mut self,
+        kinetic: Id,
+        rates: &[Id],
+        accelerations: &[Id],
+    ) -> Vec<Id> {
         let n = self.count();
         let graph = &mut self.lowering.graph;
         if graph.is_zero(kinetic) {
@@ -211,7 +223,8 @@ impl<'m> Mechanics<'m> {
         let slopes = self.gradient_q(kinetic);
         let graph = &mut self.lowering.graph;
         let forces: Vec<Id> = changes.iter().zip(&slopes).map(|(&a, &b)| graph.sub(a, b)).collect();
-        let given = self.rates.iter().zip(rates).chain(self.accelerations.iter().zip(accelerations));
+        let given =
+            self.rates.iter().zip(rates).chain(self.accelerations.iter().zip(accelerations));
         let replacement = given.filter(|(a, b)| a != b).map(|(&a, &b)| (a, b)).collect();
         shapebot_symbolic::substitute(graph, &forces, &replacement)
     }

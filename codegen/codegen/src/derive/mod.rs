@@ -75,8 +75,8 @@ pub fn derive(model: &Model, parameters: Parameters) -> Result<Derivation, Vec<D
 ///
 /// As [`derive`].
 pub fn prove(model: &Model) -> Result<(Equations, Certificate), Vec<Diagnostic>> {
-    let mut equations = equations(model)?;
-    let certificate = proof::prove(model, &mut equations)?;
+    let equations = equations(model)?;
+    let certificate = proof::prove(model, &equations)?;
     Ok((equations, certificate))
 }
 
@@ -91,10 +91,8 @@ pub fn specialise(
     let base = Mechanics::new(model, parameters);
     let mut functions = lagrangian::functions(&base);
     functions.extend(kinematics::functions(&base));
-    if certificate.is_shape_accelerated()
-        && let Some(mass) = functions.iter().find(|f| f.quantity == Quantity::MassMatrix).cloned()
-    {
-        functions.extend(shape::functions(&base, &mass, &equations.unactuated()));
+    if certificate.is_shape_accelerated() {
+        functions.extend(shape::functions(&base, &equations.unactuated()));
     }
     Derivation {
         model: model.clone(),
@@ -157,15 +155,30 @@ fn sources(work: &mut Mechanics<'_>) -> Vec<EnergySource> {
     }
     for term in &model.kinetic {
         let kinetic = work.lowering.scalar(term.expr);
-        out.push(EnergySource { name: "kinetic term".into(), span: term.span, kinetic, potential: zero });
+        out.push(EnergySource {
+            name: "kinetic term".into(),
+            span: term.span,
+            kinetic,
+            potential: zero,
+        });
     }
     for term in &model.potential {
         let potential = work.lowering.scalar(term.expr);
-        out.push(EnergySource { name: "potential term".into(), span: term.span, kinetic: zero, potential });
+        out.push(EnergySource {
+            name: "potential term".into(),
+            span: term.span,
+            kinetic: zero,
+            potential,
+        });
     }
     for term in &model.lagrangian {
         let (kinetic, potential) = work.split_lagrangian(term);
-        out.push(EnergySource { name: "Lagrangian term".into(), span: term.span, kinetic, potential });
+        out.push(EnergySource {
+            name: "Lagrangian term".into(),
+            span: term.span,
+            kinetic,
+            potential,
+        });
     }
     out
 }

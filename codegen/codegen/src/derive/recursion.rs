@@ -47,9 +47,17 @@ pub(crate) fn inverse_dynamics(
 ) -> Vec<Id> {
     let spins = spins(lowering, tree, motion);
     let accelerations = accelerations(lowering, tree, motion, &spins);
-    let mut loads = Loads::new(&lowering.graph, tree);
+    let mut loads = Loads::new(tree);
     for attachment in &tree.attachments {
-        attachment_load(&mut lowering.graph, tree, attachment, &spins, &accelerations, form, &mut loads);
+        attachment_load(
+            &mut lowering.graph,
+            tree,
+            attachment,
+            &spins,
+            &accelerations,
+            form,
+            &mut loads,
+        );
     }
     loads.project(&mut lowering.graph, tree, lowering.model.coordinates.len())
 }
@@ -63,7 +71,7 @@ fn spins(lowering: &mut Lowering<'_>, tree: &Tree, motion: &Motion) -> Vec<Spin>
             continue;
         }
         let rate = vector::dot(&mut lowering.graph, &hinge.slopes, &motion.rates);
-        let acceleration = second_derivative(lowering, hinge.angle, &hinge.slopes, motion);
+        let acceleration = second_derivative(lowering, &hinge.slopes, motion);
         let graph = &mut lowering.graph;
         let parent = &spins[hinge.parent];
         let carried = hinge.rotation.to_child(graph, parent.omega);
@@ -105,7 +113,7 @@ fn gradient(graph: &mut Graph, omega: Vec3, alpha: Vec3) -> [Vec3; 3] {
 }
 
 /// d²/dt² of a function of the coordinates whose first derivatives are `slopes`.
-fn second_derivative(lowering: &mut Lowering<'_>, _value: Id, slopes: &[Id], motion: &Motion) -> Id {
+fn second_derivative(lowering: &mut Lowering<'_>, slopes: &[Id], motion: &Motion) -> Id {
     let graph = &mut lowering.graph;
     let mut sum = vector::dot(graph, slopes, &motion.accelerations);
     let seeds = motion.rates.iter().enumerate();
@@ -119,19 +127,25 @@ fn second_derivative(lowering: &mut Lowering<'_>, _value: Id, slopes: &[Id], mot
 }
 
 /// Acceleration of each point, in its hinge's axes, minus gravity.
-fn accelerations(lowering: &mut Lowering<'_>, tree: &Tree, motion: &Motion, spins: &[Spin]) -> Vec<Vec3> {
+fn accelerations(
+    lowering: &mut Lowering<'_>,
+    tree: &Tree,
+    motion: &Motion,
+    spins: &[Spin],
+) -> Vec<Vec3> {
     let origin = motion.gravity.map(|g| lowering.graph.neg(g));
     let mut out = vec![origin];
     for point in tree.points.iter().skip(1) {
         let parent = &tree.points[point.parent];
-        let carried = tree.express(&mut lowering.graph, out[point.parent], parent.hinge, point.hinge);
+        let carried =
+            tree.express(&mut lowering.graph, out[point.parent], parent.hinge, point.hinge);
         let spin = &spins[point.hinge];
         let turned = vector::apply(&mut lowering.graph, &spin.gradient, point.vector);
         let mut sum = vector::add(&mut lowering.graph, carried, turned);
         let moving = [0, 1, 2].map(|k| {
             let slopes: Vec<Id> = point.slopes.iter().map(|s| s[k]).collect();
             let rate = vector::dot(&mut lowering.graph, &slopes, &motion.rates);
-            (rate, second_derivative(lowering, point.vector[k], &slopes, motion))
+            (rate, second_derivative(lowering, &slopes, motion))
         });
         let graph = &mut lowering.graph;
         let coriolis = vector::cross(graph, spin.omega, moving.map(|(rate, _)| rate));
@@ -185,9 +199,7 @@ fn second_moments(graph: &mut Graph, inertia: &Inertia, spin: &Spin) -> Vec3 {
     let half = graph.fraction(1, 2);
     let half_trace = graph.mul(half, trace);
     let sigma = [0, 1, 2].map(|i| {
-        [0, 1, 2].map(|j| {
-            if i == j { graph.sub(half_trace, t[i][i]) } else { graph.neg(t[i][j]) }
-        })
+        [0, 1, 2].map(|j| if i == j { graph.sub(half_trace, t[i][i]) } else { graph.neg(t[i][j]) })
     });
     let column = |graph: &mut Graph, j: usize| {
         let v = [sigma[0][j], sigma[1][j], sigma[2][j]];
@@ -206,7 +218,7 @@ pub(crate) struct Loads {
 
 impl Loads {
     /// No load.
-    pub(crate) fn new(_graph: &Graph, tree: &Tree) -> Self {
+    pub(crate) fn new(tree: &Tree) -> Self {
         let hinges = tree.hinges.len();
         Self { forces: vec![vec![None; hinges]; tree.points.len()], moments: vec![None; hinges] }
     }
@@ -222,7 +234,11 @@ impl Loads {
     }
 
     /// Total force at each point (in its hinge's axes) and moment at each hinge, inward.
-    pub(crate) fn resolve(mut self, graph: &mut Graph, tree: &Tree) -> (Vec<Option<Vec3>>, Vec<Option<Vec3>>) {
+    pub(crate) fn resolve(
+        mut self,
+        graph: &mut Graph,
+        tree: &Tree,
+    ) -> (Vec<Option<Vec3>>, Vec<Option<Vec3>>) {
         let mut totals = vec![None; tree.points.len()];
         for p in (0..tree.points.len()).rev() {
             let total = self.gather(graph, tree, p);

@@ -1,12 +1,8 @@
 //! Candidates for a function, and the choice of the cheapest.
 
 use super::quantity::{Block, Function, Quantity};
-use shapebot_symbolic::{Graph, Id, count, transfer};
-
-/// (until the optimiser lands)
-#[derive(Clone, Copy)]
-pub(crate) enum Effort { Quick, Thorough }
-fn optimise(graph: &Graph, ids: &[Id], _: Effort) -> (Graph, Vec<Id>) { (graph.clone(), ids.to_vec()) }
+pub(crate) use shapebot_symbolic::Effort;
+use shapebot_symbolic::{Graph, Id, Operations, count, optimise, transfer};
 
 /// One way to compute a function.
 #[derive(Clone, Debug)]
@@ -54,9 +50,15 @@ fn with_entries(mut blocks: Vec<Block>, ids: &[Id]) -> Vec<Block> {
 
 /// The cheapest candidate after optimisation; the first of equals.
 pub(crate) fn choose(quantity: Quantity, candidates: Vec<Candidate>, effort: Effort) -> Function {
+    let mut best: Option<(Candidate, Operations)> = None;
     let mut listed = Vec::new();
-    let mut best: Option<(Candidate, shapebot_symbolic::Operations)> = None;
+    let limit = hopeless(&candidates, effort);
     for candidate in candidates {
+        let given = count(&candidate.graph, &candidate.ids());
+        if given.flops() > limit {
+            listed.push((candidate.method, given));
+            continue;
+        }
         let candidate = candidate.optimised(effort);
         let operations = count(&candidate.graph, &candidate.ids());
         listed.push((candidate.method, operations));
@@ -65,10 +67,22 @@ pub(crate) fn choose(quantity: Quantity, candidates: Vec<Candidate>, effort: Eff
         }
     }
     let (graph, blocks, method, operations) = match best {
-        Some((candidate, operations)) => (candidate.graph, candidate.blocks, candidate.method, operations),
-        None => (Graph::new(), Vec::new(), "", shapebot_symbolic::Operations::default()),
+        Some((candidate, operations)) => {
+            (candidate.graph, candidate.blocks, candidate.method, operations)
+        }
+        None => (Graph::new(), Vec::new(), "", Operations::default()),
     };
     Function { quantity, graph, blocks, method, operations, candidates: listed }
+}
+
+/// Candidates that are given with more operations than this are not optimised: with quick effort a
+/// form rarely loses more than a quarter of its operations.
+fn hopeless(candidates: &[Candidate], effort: Effort) -> usize {
+    let counts = candidates.iter().map(|c| count(&c.graph, &c.ids()).flops());
+    match effort {
+        Effort::Quick => counts.min().map_or(usize::MAX, |least| least + least / 4 + 8),
+        Effort::Thorough => usize::MAX,
+    }
 }
 
 /// A scalar result.

@@ -43,8 +43,8 @@ const STILL: [(&str, Load); 2] =
     [("statics over the tree", Load::Still), ("derivatives of the energy", Load::StillFromEnergy)];
 
 /// All functions of the shape-accelerated system. `unactuated` are the rows without an actuator.
-pub(crate) fn functions(base: &Mechanics<'_>, mass: &Function, unactuated: &[usize]) -> Vec<Function> {
-    let system = System { base, mass, unactuated, nx: unactuated.len() };
+pub(crate) fn functions(base: &Mechanics<'_>, unactuated: &[usize]) -> Vec<Function> {
+    let system = System { base, unactuated, nx: unactuated.len() };
     vec![
         system.gamma(),
         system.response(),
@@ -56,14 +56,12 @@ pub(crate) fn functions(base: &Mechanics<'_>, mass: &Function, unactuated: &[usi
 
 struct System<'a, 'm> {
     base: &'a Mechanics<'m>,
-    mass: &'a Function,
     unactuated: &'a [usize],
     nx: usize,
 }
 
 impl System<'_, '_> {
     fn rows(&self, load: Load) -> Rows {
-        let n = self.base.count();
         let mut work = self.base.clone();
         let zero = work.graph().zero();
         let mask = |symbols: &[Id]| -> Vec<Id> {
@@ -80,14 +78,14 @@ impl System<'_, '_> {
         let rest: Vec<Id> = self.unactuated.iter().map(|&i| forces[i]).collect();
         let mut graph = Graph::new();
         let rest = transfer(work.graph(), &rest, &mut graph);
-        let entries = self.mass.results();
-        let wanted: Vec<Id> = self
-            .unactuated
-            .iter()
-            .flat_map(|&i| (0..self.nx).map(move |j| i * n + j))
-            .map(|k| entries[k])
-            .collect();
-        let coupling = transfer(&self.mass.graph, &wanted, &mut graph);
+        // Not the optimised M: its shared terms serve all of its entries, and only some are needed.
+        let mass = match work.mass_by_composites() {
+            Some(mass) => mass,
+            None => work.mass_from_energy(),
+        };
+        let wanted: Vec<Id> =
+            self.unactuated.iter().flat_map(|&i| mass[i][..self.nx].to_vec()).collect();
+        let coupling = transfer(work.graph(), &wanted, &mut graph);
         self.without_position(graph, &coupling, &rest)
     }
 
@@ -98,7 +96,8 @@ impl System<'_, '_> {
             (0..self.nx).map(|i| (graph.symbol(Symbol::Coordinate(number(i))), zero)).collect();
         let coupling = substitute(&mut graph, coupling, &replacement);
         let rest = substitute(&mut graph, rest, &replacement);
-        let values = self.base.lowering.model.parameters.iter().map(|p| p.value_f64).collect::<Vec<_>>();
+        let values =
+            self.base.lowering.model.parameters.iter().map(|p| p.value_f64).collect::<Vec<_>>();
         let at_origin = |symbol: Symbol| match symbol {
             Symbol::Parameter(i) => values.get(i as usize).copied().unwrap_or(f64::NAN),
             _ => 0.0,
@@ -118,7 +117,12 @@ impl System<'_, '_> {
         solve::general(&mut rows.graph, &rows.coupling, &[rhs], &rows.pivots).concat()
     }
 
-    fn map(&self, quantity: Quantity, name: &'static str, loads: &[(&'static str, Load)]) -> Function {
+    fn map(
+        &self,
+        quantity: Quantity,
+        name: &'static str,
+        loads: &[(&'static str, Load)],
+    ) -> Function {
         let candidate = |&(method, load): &(&'static str, Load)| {
             let mut rows = self.rows(load);
             let solution = Self::solution(&mut rows);
@@ -192,7 +196,8 @@ impl System<'_, '_> {
         let gain = solve::general(&mut graph, &rows.coupling, &columns, &rows.pivots);
         let by_rows: Vec<Vec<Id>> =
             (0..self.nx).map(|i| gain.iter().map(|column| column[i]).collect()).collect();
-        let candidate = Candidate::new("linearisation", &graph, vec![matrix("shape_gain", &by_rows)]);
+        let candidate =
+            Candidate::new("linearisation", &graph, vec![matrix("shape_gain", &by_rows)]);
         choose(Quantity::ShapeGain, vec![candidate], Effort::Thorough)
     }
 }
@@ -216,9 +221,8 @@ fn implicit(rows: &mut Rows, gamma: &[Id], symbols: &[Symbol]) -> Vec<Vec<Id>> {
         let row = gradient(graph, &[(residual, one)], symbols);
         slopes.push(substitute(graph, &row, &replacement));
     }
-    let columns: Vec<Vec<Id>> = (0..symbols.len())
-        .map(|j| slopes.iter().map(|row| graph.neg(row[j])).collect())
-        .collect();
+    let columns: Vec<Vec<Id>> =
+        (0..symbols.len()).map(|j| slopes.iter().map(|row| graph.neg(row[j])).collect()).collect();
     let solved = solve::general(graph, &rows.coupling, &columns, &rows.pivots);
     (0..nx).map(|i| solved.iter().map(|column| column[i]).collect()).collect()
 }

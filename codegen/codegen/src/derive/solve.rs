@@ -13,7 +13,8 @@ pub(crate) fn symmetric(graph: &mut Graph, a: &[Vec<Id>], b: &[Id]) -> Vec<Id> {
     while let Some(at) = sparsest(graph, &a, &left) {
         let p = left.remove(at);
         let rows: Vec<usize> = left.iter().copied().filter(|&i| !graph.is_zero(a[i][p])).collect();
-        let factors: Vec<(usize, Id)> = rows.iter().map(|&i| (i, graph.div(a[i][p], a[p][p]))).collect();
+        let factors: Vec<(usize, Id)> =
+            rows.iter().map(|&i| (i, graph.div(a[i][p], a[p][p]))).collect();
         for (f, &(i, factor)) in factors.iter().enumerate() {
             for &(j, _) in &factors[..=f] {
                 let change = graph.mul(factor, a[j][p]);
@@ -45,7 +46,12 @@ fn sparsest(graph: &Graph, a: &[Vec<Id>], left: &[usize]) -> Option<usize> {
 /// Solutions of A X = B for several right-hand sides (columns of B, given as rows of `b`): by
 /// Cramer's rule for one and two unknowns, by elimination else. `pivots` are values of A at a typical
 /// point; they choose the order of elimination.
-pub(crate) fn general(graph: &mut Graph, a: &[Vec<Id>], b: &[Vec<Id>], pivots: &[Vec<f64>]) -> Vec<Vec<Id>> {
+pub(crate) fn general(
+    graph: &mut Graph,
+    a: &[Vec<Id>],
+    b: &[Vec<Id>],
+    pivots: &[Vec<f64>],
+) -> Vec<Vec<Id>> {
     match a.len() {
         1 => b.iter().map(|rhs| vec![graph.div(rhs[0], a[0][0])]).collect(),
         2 => {
@@ -73,7 +79,8 @@ fn eliminate(graph: &mut Graph, a: &[Vec<Id>], b: &[Vec<Id>], pivots: &[Vec<f64>
     let (mut a, mut values) = (a.to_vec(), pivots.to_vec());
     let mut b: Vec<Vec<Id>> = b.to_vec();
     for k in 0..n {
-        let best = (k..n).max_by(|&i, &j| values[i][k].abs().total_cmp(&values[j][k].abs())).unwrap_or(k);
+        let best =
+            (k..n).max_by(|&i, &j| values[i][k].abs().total_cmp(&values[j][k].abs())).unwrap_or(k);
         a.swap(k, best);
         values.swap(k, best);
         for rhs in &mut b {

@@ -7,7 +7,7 @@
 
 use super::lower::{Lowering, number};
 use super::vector::{self, Rotation, Vec3};
-use shapebot_model_dsl::model::{FrameId, RigidBody};
+use shapebot_model_dsl::model::{Axis, FrameId, RigidBody};
 use shapebot_symbolic::{Id, Symbol};
 
 /// One elementary rotation; hinge 0 is the world and never turns.
@@ -17,8 +17,6 @@ pub(crate) struct Hinge {
     pub(crate) parent: usize,
     /// The rotation.
     pub(crate) rotation: Rotation,
-    /// Its angle.
-    pub(crate) angle: Id,
     /// ∂(angle)/∂q.
     pub(crate) slopes: Vec<Id>,
     /// Name for readers: the frame's.
@@ -82,7 +80,12 @@ impl Tree {
 
     /// The tree of some rigid bodies.
     pub(crate) fn of_bodies(lowering: &mut Lowering<'_>, bodies: &[&RigidBody]) -> Self {
-        let mut tree = Self { hinges: Vec::new(), frames: Vec::new(), points: Vec::new(), attachments: Vec::new() };
+        let mut tree = Self {
+            hinges: Vec::new(),
+            frames: Vec::new(),
+            points: Vec::new(),
+            attachments: Vec::new(),
+        };
         tree.add_hinges(lowering);
         let origin = vector::zero(&lowering.graph);
         tree.points.push(Point { parent: 0, hinge: 0, vector: origin, slopes: Vec::new() });
@@ -98,7 +101,6 @@ impl Tree {
         self.hinges.push(Hinge {
             parent: 0,
             rotation: still,
-            angle: graph.zero(),
             slopes: vec![graph.zero(); lowering.model.coordinates.len()],
             name: "world".into(),
         });
@@ -106,11 +108,16 @@ impl Tree {
         for (f, frame) in model.frames.iter().enumerate() {
             let mut at = frame.parent.map_or(0, |FrameId(p)| self.frames[p as usize]);
             let rotations = lowering.frame_rotations(FrameId(number(f)));
-            for (rotation, &(_, angle)) in rotations.into_iter().zip(&frame.rotations) {
+            let path = frame.name.replace(['.', '[', ']'], "_");
+            for (k, (rotation, &(axis, angle))) in
+                rotations.into_iter().zip(&frame.rotations).enumerate()
+            {
                 let angle = lowering.scalar(angle);
                 let slopes = slopes(lowering, angle);
-                let name = frame.name.replace(['.', '[', ']'], "_");
-                self.hinges.push(Hinge { parent: at, rotation, angle, slopes, name });
+                // The frame's name is for its last rotation; those before it carry their axis.
+                let last = k + 1 == frame.rotations.len();
+                let name = if last { path.clone() } else { format!("{path}_{}", letter(axis)) };
+                self.hinges.push(Hinge { parent: at, rotation, slopes, name });
                 at = self.hinges.len() - 1;
             }
             self.frames.push(at);
@@ -127,7 +134,10 @@ impl Tree {
             && self.frames[last.frame.0 as usize] == hinge
         {
             let entries = lowering.entries(last);
-            if entries.iter().all(|&e| slopes(lowering, e).iter().all(|&s| lowering.graph.is_zero(s))) {
+            if entries
+                .iter()
+                .all(|&e| slopes(lowering, e).iter().all(|&s| lowering.graph.is_zero(s)))
+            {
                 offset = entries;
                 terms = before;
             }
@@ -142,7 +152,13 @@ impl Tree {
     }
 
     /// The point at `vector` from another, made once.
-    fn point(&mut self, lowering: &mut Lowering<'_>, parent: usize, hinge: usize, vector: Vec3) -> usize {
+    fn point(
+        &mut self,
+        lowering: &mut Lowering<'_>,
+        parent: usize,
+        hinge: usize,
+        vector: Vec3,
+    ) -> usize {
         if vector.iter().all(|&e| lowering.graph.is_zero(e)) {
             return parent;
         }
@@ -210,6 +226,14 @@ impl Inertia {
     }
 }
 
+const fn letter(axis: Axis) -> char {
+    match axis {
+        Axis::X => 'x',
+        Axis::Y => 'y',
+        Axis::Z => 'z',
+    }
+}
+
 /// ∂(value)/∂q.
 pub(crate) fn slopes(lowering: &mut Lowering<'_>, id: Id) -> Vec<Id> {
     let count = number(lowering.model.coordinates.len());
@@ -217,7 +241,12 @@ pub(crate) fn slopes(lowering: &mut Lowering<'_>, id: Id) -> Vec<Id> {
 }
 
 /// Inertia about a point from which the centre of mass is at `offset` (parallel axes).
-fn about_point(lowering: &mut Lowering<'_>, mass: Id, offset: Vec3, about_com: [Vec3; 3]) -> Inertia {
+fn about_point(
+    lowering: &mut Lowering<'_>,
+    mass: Id,
+    offset: Vec3,
+    about_com: [Vec3; 3],
+) -> Inertia {
     let graph = &mut lowering.graph;
     let moment = vector::scale(graph, mass, offset);
     let square = vector::dot(graph, &moment, &offset);

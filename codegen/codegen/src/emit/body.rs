@@ -30,13 +30,14 @@ pub(super) struct Body {
     pub(super) results: Vec<Expr>,
     /// Symbols that the text mentions.
     pub(super) used: BTreeSet<Symbol>,
-    /// Whether the text mentions the helper `c`.
-    pub(super) constants: bool,
+    /// How often the text mentions the helper `c`.
+    pub(super) constants: usize,
 }
 
 /// Writes a body.
 pub(super) fn body(request: &Request<'_>) -> Body {
-    let plan = Plan::new(request.graph, request.roots, request.given, request.symbols, request.named);
+    let plan =
+        Plan::new(request.graph, request.roots, request.given, request.symbols, request.named);
     let steps = plan.steps(request.roots);
     let mut writer = Writer {
         request,
@@ -47,7 +48,12 @@ pub(super) fn body(request: &Request<'_>) -> Body {
         numbers: BTreeMap::new(),
         place: None,
         plan,
-        body: Body { statements: Vec::new(), results: Vec::new(), used: BTreeSet::new(), constants: false },
+        body: Body {
+            statements: Vec::new(),
+            results: Vec::new(),
+            used: BTreeSet::new(),
+            constants: 0,
+        },
     };
     for step in steps {
         match step {
@@ -159,7 +165,10 @@ impl Writer<'_, '_> {
     fn result(&mut self, root: &Root) -> Expr {
         let (_, id) = self.plan.strip(root.id);
         let value = self.value(root.id);
-        if !self.request.named || self.plan.leaf(id).is_some() || self.variables[id.index()].is_some() {
+        if !self.request.named
+            || self.plan.leaf(id).is_some()
+            || self.variables[id.index()].is_some()
+        {
             return value;
         }
         let name = self.names.take(&root.name);
@@ -194,11 +203,11 @@ impl Writer<'_, '_> {
             }
             Leaf::Field(name, _) => syntax::field(syntax::variable("self"), &name),
             Leaf::Number(number) => {
-                self.body.constants = true;
+                self.body.constants += 1;
                 syntax::call("c", syntax::number(number))
             }
             Leaf::Pi => {
-                self.body.constants = true;
+                self.body.constants += 1;
                 syntax::call("c", syntax::pi())
             }
         };
@@ -227,7 +236,9 @@ impl Writer<'_, '_> {
                 (false, syntax::method(y, "atan2", [x]))
             }
             // Leaves and changes of sign never get here.
-            Node::Neg(_) | Node::Constant(_) | Node::Pi | Node::Symbol(_) => (false, syntax::variable("undefined")),
+            Node::Neg(_) | Node::Constant(_) | Node::Pi | Node::Symbol(_) => {
+                (false, syntax::variable("undefined"))
+            }
         }
     }
 

@@ -54,9 +54,8 @@ impl Evaluation<'_> {
         match self.model.expr(id) {
             Expr::Number(number) => self.constant(nearest(number)),
             Expr::Pi => self.constant(std::f64::consts::PI),
-            Expr::Parameter(ParameterId(i)) => {
-                self.constant(self.model.parameters.get(*i as usize).map_or(f64::NAN, |p| p.value_f64))
-            }
+            Expr::Parameter(ParameterId(i)) => self
+                .constant(self.model.parameters.get(*i as usize).map_or(f64::NAN, |p| p.value_f64)),
             Expr::Coordinate(CoordinateId(i)) => {
                 let mut jet = self.constant(0.0);
                 if let Some(slope) = jet.slopes.get_mut(*i as usize) {
@@ -86,7 +85,8 @@ impl Evaluation<'_> {
     }
 
     fn call(&self, function: Function, arguments: &[ExprId]) -> Jet {
-        let argument = |k: usize| arguments.get(k).map_or(self.constant(f64::NAN), |&id| self.scalar(id));
+        let argument =
+            |k: usize| arguments.get(k).map_or(self.constant(f64::NAN), |&id| self.scalar(id));
         let x = argument(0);
         let v = x.value;
         match function {
@@ -131,7 +131,9 @@ impl Evaluation<'_> {
                     sum(&product(&a[i], &b[j]), &scaled(&product(&a[j], &b[i]), -1.0))
                 })
             }
-            Vector::TimeDerivative(_) | Vector::AngularVelocity(_) => [0, 1, 2].map(|_| self.constant(0.0)),
+            Vector::TimeDerivative(_) | Vector::AngularVelocity(_) => {
+                [0, 1, 2].map(|_| self.constant(0.0))
+            }
         }
     }
 

@@ -35,7 +35,11 @@ impl Content {
 }
 
 /// The name of a value from its operands' names; `known` gives those of named values.
-pub(super) fn content(plan: &Plan<'_>, id: Id, known: &dyn Fn(Id) -> Option<Option<Content>>) -> Option<Content> {
+pub(super) fn content(
+    plan: &Plan<'_>,
+    id: Id,
+    known: &dyn Fn(Id) -> Option<Option<Content>>,
+) -> Option<Content> {
     if let Some(given) = plan.leaf(id) {
         return leaf(plan, &given);
     }
@@ -55,7 +59,11 @@ fn leaf(plan: &Plan<'_>, given: &Given) -> Option<Content> {
 }
 
 /// The same without asking whether the value itself has a name.
-pub(super) fn composed(plan: &Plan<'_>, id: Id, known: &dyn Fn(Id) -> Option<Option<Content>>) -> Option<Content> {
+pub(super) fn composed(
+    plan: &Plan<'_>,
+    id: Id,
+    known: &dyn Fn(Id) -> Option<Option<Content>>,
+) -> Option<Content> {
     let of = |id| content(plan, id, known);
     let number = |id| match plan.leaf(id) {
         Some(Given { negative: false, leaf: Leaf::Number(value) }) => word(value),
@@ -68,6 +76,7 @@ pub(super) fn composed(plan: &Plan<'_>, id: Id, known: &dyn Fn(Id) -> Option<Opt
             None => product(&of(a)?, &of(b)?),
         },
         Node::Div(a, b) => joined(&of(a)?, "over", &of(b)?, Kind::Product),
+        Node::Add(a, b) if a == b => scaled("two", &of(a)?),
         Node::Add(a, b) => match (number(a), number(b)) {
             (Some("one"), _) => joined(&Content::atom("one")?, "plus", &of(b)?, Kind::Sum),
             (_, Some("one")) => joined(&of(a)?, "plus", &Content::atom("one")?, Kind::Sum),

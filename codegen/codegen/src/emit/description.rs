@@ -3,10 +3,10 @@
 use super::constants;
 use super::docs;
 use super::names::{SymbolNames, identifier};
-use super::parameters::{signed_number, unit};
+use super::parameters::{shown_range, signed_number, unit};
 use super::{Documentation, Emission};
 use crate::derive::{Function, Quantity};
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 use shapebot_model_dsl::model::{Model, Range, Role, Solid};
 use std::collections::BTreeMap;
@@ -17,13 +17,14 @@ pub(super) fn description(emission: &Emission<'_>, symbols: &SymbolNames) -> Ite
     let model = emission.model;
     let name = emission.stem;
     let summary = docs::one_line(model.docs.lines().next().unwrap_or(""));
-    let position_count = model.position_count();
+    let position_count = Literal::usize_unsuffixed(model.position_count());
     let coordinates = coordinates(model, symbols, &actuated(model, emission.functions));
     let sets = shape_sets(model, &actuated(model, emission.functions));
     let (actuators, parameters) = (actuators(model), parameters(model, symbols));
     let (outputs, output_unit) = output(model, symbols);
     let frames = model.frames.iter().map(|frame| frame.name.as_str());
-    let points: Vec<String> = crate::derive::points(model).into_iter().map(|(name, _)| name).collect();
+    let points: Vec<String> =
+        crate::derive::points(model).into_iter().map(|(name, _)| name).collect();
     let (geometry, friction) = (geometry(model, points.len()), friction(model));
     syn::parse_quote! {
         /// Names, units, ranges, actuators, shape sets, points and geometry.
@@ -48,7 +49,8 @@ pub(super) fn description(emission: &Emission<'_>, symbols: &SymbolNames) -> Ite
 /// Which coordinates an actuator works on: the rows of B that are not zero.
 pub(super) fn actuated(model: &Model, functions: &BTreeMap<Quantity, Function>) -> Vec<bool> {
     let mut list = vec![false; model.coordinates.len()];
-    let columns = (0..model.actuators.len()).filter_map(|k| functions.get(&Quantity::InputColumn(k)));
+    let columns =
+        (0..model.actuators.len()).filter_map(|k| functions.get(&Quantity::InputColumn(k)));
     for function in columns {
         for (flag, id) in list.iter_mut().zip(function.results()) {
             *flag |= !function.graph.is_zero(id);
@@ -97,7 +99,8 @@ fn shape_sets(model: &Model, actuated: &[bool]) -> Vec<TokenStream> {
     let entry = |set: &shapebot_model_dsl::model::CoordinateSet| {
         let members: Vec<usize> = set.coordinates.iter().map(|id| id.0 as usize).collect();
         let first = members.first().map_or(0, |&i| i.saturating_sub(positions));
-        let (name, len) = (identifier(&set.name), members.len());
+        let name = identifier(&set.name);
+        let [first, len] = [first, members.len()].map(Literal::usize_unsuffixed);
         let all = members.iter().all(|&i| actuated.get(i).copied().unwrap_or(false));
         quote!(::shapebot_dynamics::ShapeSet { name: #name, first: #first, len: #len, actuated: #all })
     };
@@ -107,7 +110,8 @@ fn shape_sets(model: &Model, actuated: &[bool]) -> Vec<TokenStream> {
 fn actuators(model: &Model) -> Vec<TokenStream> {
     let entry = |actuator: &shapebot_model_dsl::model::Actuator| {
         let (name, unit) = (identifier(&actuator.name), &actuator.unit.text);
-        let limit = bound(actuator.limit.map(|id| constants::value(model, id)), &quote!(f64::INFINITY));
+        let limit =
+            bound(actuator.limit.map(|id| constants::value(model, id)), &quote!(f64::INFINITY));
         quote!(::shapebot_dynamics::Actuator { name: #name, unit: #unit, limit: #limit })
     };
     model.actuators.iter().map(entry).collect()
@@ -142,7 +146,8 @@ fn geometry(model: &Model, points: usize) -> Vec<TokenStream> {
     let first = points.saturating_sub(model.geometry.len());
     let number = |id| signed_number(constants::value(model, id));
     let entry = |(i, geometry): (usize, &shapebot_model_dsl::model::Geometry)| {
-        let (name, frame, center) = (&geometry.name, geometry.frame.0 as usize, first + i);
+        let name = &geometry.name;
+        let [frame, center] = [geometry.frame.0 as usize, first + i].map(Literal::usize_unsuffixed);
         let solid = match &geometry.solid {
             &Solid::Sphere(radius) => {
                 let radius = number(radius);
@@ -171,7 +176,8 @@ fn geometry(model: &Model, points: usize) -> Vec<TokenStream> {
 fn friction(model: &Model) -> Vec<TokenStream> {
     let entry = |friction: &shapebot_model_dsl::model::CoulombFriction| {
         let level = signed_number(constants::value(model, friction.level));
-        let weights = constants::slopes(model, friction.displacement).into_iter().map(signed_number);
+        let weights =
+            constants::slopes(model, friction.displacement).into_iter().map(signed_number);
         quote!(::shapebot_dynamics::CoulombFriction { level: #level, weights: &[#(#weights),*] })
     };
     model.friction.iter().map(entry).collect()
@@ -203,8 +209,8 @@ pub(super) fn page(emission: &Emission<'_>, symbols: &SymbolNames) -> String {
     super::render("module.md", include_str!("../../templates/module.md.tera"), &context)
 }
 
-fn shown_range(range: Option<Range>) -> String {
-    range.map_or_else(|| "—".to_owned(), |Range { lower, upper }| format!("{lower} to {upper}"))
+fn range_cell(range: Option<Range>, unit: &str) -> String {
+    range.map_or_else(|| "—".to_owned(), |range| shown_range(range, unit))
 }
 
 fn coordinate_rows(model: &Model, symbols: &SymbolNames, actuated: &[bool]) -> Vec<Row> {
@@ -215,7 +221,7 @@ fn coordinate_rows(model: &Model, symbols: &SymbolNames, actuated: &[bool]) -> V
             ("name", symbols.coordinates[i].clone()),
             ("role", role.to_owned()),
             ("unit", unit(&c.unit.text)),
-            ("range", shown_range(c.range)),
+            ("range", range_cell(c.range, &c.unit.text)),
             ("actuated", actuated.to_owned()),
         ])
     };
@@ -228,7 +234,7 @@ fn parameter_rows(model: &Model, symbols: &SymbolNames) -> Vec<Row> {
             ("name", symbols.fields[i].clone()),
             ("unit", unit(&p.unit.text)),
             ("value", format!("{}", p.value_f64)),
-            ("range", shown_range(p.range)),
+            ("range", range_cell(p.range, &p.unit.text)),
             ("docs", docs::cell(&p.docs)),
         ])
     };
@@ -237,7 +243,8 @@ fn parameter_rows(model: &Model, symbols: &SymbolNames) -> Vec<Row> {
 
 fn actuator_rows(model: &Model) -> Vec<Row> {
     let row = |a: &shapebot_model_dsl::model::Actuator| {
-        let limit = a.limit.map_or_else(|| "—".to_owned(), |id| format!("{}", constants::value(model, id)));
+        let limit =
+            a.limit.map_or_else(|| "—".to_owned(), |id| format!("{}", constants::value(model, id)));
         Row::from([
             ("name", identifier(&a.name)),
             ("unit", unit(&a.unit.text)),
@@ -248,13 +255,18 @@ fn actuator_rows(model: &Model) -> Vec<Row> {
     model.actuators.iter().map(row).collect()
 }
 
-fn function_rows(functions: &BTreeMap<Quantity, Function>, baked: Option<&BTreeMap<Quantity, Function>>) -> Vec<Row> {
+fn function_rows(
+    functions: &BTreeMap<Quantity, Function>,
+    baked: Option<&BTreeMap<Quantity, Function>>,
+) -> Vec<Row> {
     let listed = super::methods::LAGRANGIAN.iter().chain(super::methods::SHAPE);
     let row = |method: &super::methods::Method| {
         let function = functions.get(&method.quantity)?;
         let count = function.operations;
         let other = baked.and_then(|baked| baked.get(&method.quantity)).map(|f| f.operations);
-        let other = other.map_or(String::new(), |o| format!("{} | {} | {} | ", o.additions, o.multiplications, o.divisions));
+        let other = other.map_or(String::new(), |o| {
+            format!("{} | {} | {} | ", o.additions, o.multiplications, o.divisions)
+        });
         Some(Row::from([
             ("name", method.name.to_owned()),
             ("method", docs::cell(function.method)),

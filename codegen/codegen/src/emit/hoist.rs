@@ -34,7 +34,8 @@ pub(super) fn hoist(
         }
         images.insert(quantity, wanted.into_iter().zip(moved).collect());
     }
-    stems.retain(|&id, _| !matches!(graph.node(id), Node::Constant(_) | Node::Pi | Node::Symbol(_)));
+    stems
+        .retain(|&id, _| !matches!(graph.node(id), Node::Constant(_) | Node::Pi | Node::Symbol(_)));
     let (fields, told) = name_fields(&graph, &stems, symbols);
     let mut leaves: BTreeMap<Id, Leaf> = BTreeMap::new();
     for root in &fields {
@@ -99,7 +100,12 @@ fn strip(graph: &Graph, mut id: Id) -> (bool, Id) {
     (negative, id)
 }
 
-fn table(size: usize, images: Vec<(Id, Id)>, graph: &Graph, leaves: &BTreeMap<Id, Leaf>) -> Vec<Option<Given>> {
+fn table(
+    size: usize,
+    images: Vec<(Id, Id)>,
+    graph: &Graph,
+    leaves: &BTreeMap<Id, Leaf>,
+) -> Vec<Option<Given>> {
     let mut given = vec![None; size];
     for (id, image) in images {
         let (negative, image) = strip(graph, image);
@@ -152,6 +158,10 @@ fn name_fields(
     (fields, told)
 }
 
-fn numbered<'s>(names: &mut Names, numbers: &mut BTreeMap<&'s str, usize>, stem: &'s str) -> String {
+fn numbered<'s>(
+    names: &mut Names,
+    numbers: &mut BTreeMap<&'s str, usize>,
+    stem: &'s str,
+) -> String {
     names.number(&format!("{stem}_constant"), numbers.entry(stem).or_insert(0))
 }

@@ -64,7 +64,12 @@ pub(super) const LAGRANGIAN: &[Method] = &[
         &[Q, Qd],
         "Coriolis matrix C(q, q̇) of the Christoffel symbols, Eq. 2.",
     ),
-    method("coriolis_vector", Quantity::CoriolisVector, &[Q, Qd], "Coriolis and centrifugal vector C(q, q̇) q̇, Eq. 2."),
+    method(
+        "coriolis_vector",
+        Quantity::CoriolisVector,
+        &[Q, Qd],
+        "Coriolis and centrifugal vector C(q, q̇) q̇, Eq. 2.",
+    ),
     method("gravity", Quantity::Gravity, &[Q], "Gravity vector G(q), Eq. 2."),
     method("kinetic_energy", Quantity::KineticEnergy, &[Q, Qd], "Kinetic energy, joules."),
     method("potential_energy", Quantity::PotentialEnergy, &[Q], "Potential energy, joules."),
@@ -74,12 +79,7 @@ pub(super) const LAGRANGIAN: &[Method] = &[
         &[Q],
         "∂M/∂q, one matrix per coordinate.",
     ),
-    method(
-        "coriolis_vector_jacobian_q",
-        Quantity::CoriolisVectorJacobianQ,
-        &[Q, Qd],
-        "∂(C q̇)/∂q.",
-    ),
+    method("coriolis_vector_jacobian_q", Quantity::CoriolisVectorJacobianQ, &[Q, Qd], "∂(C q̇)/∂q."),
     method(
         "coriolis_vector_jacobian_qd",
         Quantity::CoriolisVectorJacobianQd,
@@ -106,7 +106,12 @@ pub(super) const LAGRANGIAN: &[Method] = &[
         &[Q, Qd],
         "Generalised forces of the declared dissipation, −∂D/∂q̇.",
     ),
-    method("center_of_mass", Quantity::CenterOfMass, &[Q], "Centre of mass of all rigid bodies, metres."),
+    method(
+        "center_of_mass",
+        Quantity::CenterOfMass,
+        &[Q],
+        "Centre of mass of all rigid bodies, metres.",
+    ),
 ];
 
 /// `LagrangianSystem`, methods with an index.
@@ -147,7 +152,12 @@ pub(super) const SHAPE: &[Method] = &[
     method("gamma_prime", Quantity::GammaPrime, &[Qs], "Γ′(q_s), Eq. 15."),
     method("gamma_prime_jacobian", Quantity::GammaPrimeJacobian, &[Qs], "∂Γ′/∂q_s."),
     method("shape_gain", Quantity::ShapeGain, &[], "K⁰_qs, Eq. 16: ∂Γ′/∂q_s at the origin."),
-    method("response", Quantity::Response, &[Qs, Qsd, Qsdd], "Γ and its Jacobians in one pass, Eq. 9."),
+    method(
+        "response",
+        Quantity::Response,
+        &[Qs, Qsd, Qsdd],
+        "Γ and its Jacobians in one pass, Eq. 9.",
+    ),
     method("output", Quantity::Output, &[Qx, Qs], "Task-space output h(q_x, q_s)."),
     method("output_jacobian_position", Quantity::OutputJacobianPosition, &[], "∂h/∂q_x, constant."),
     method("output_jacobian_shape", Quantity::OutputJacobianShape, &[Qx, Qs], "∂h/∂q_s."),
@@ -220,9 +230,13 @@ impl EntryNames<'_> {
         let at = |k: usize| index.get(k).copied().unwrap_or(0);
         let (i, j) = (at(0), at(1));
         match (quantity, block) {
-            (Quantity::MassMatrix, _) | (Quantity::Motion, "mass_matrix") => format!("mass_{}_{}", q(i), q(j)),
+            (Quantity::MassMatrix, _) | (Quantity::Motion, "mass_matrix") => {
+                format!("mass_{}_{}", q(i), q(j))
+            }
             (Quantity::CoriolisMatrix, _) => format!("coriolis_{}_{}", q(i), q(j)),
-            (Quantity::CoriolisVector, _) | (Quantity::Motion, "coriolis_vector") => format!("coriolis_{}", q(i)),
+            (Quantity::CoriolisVector, _) | (Quantity::Motion, "coriolis_vector") => {
+                format!("coriolis_{}", q(i))
+            }
             (Quantity::Gravity | Quantity::Motion, _) => format!("gravity_{}", q(i)),
             (Quantity::MassMatrixJacobian, _) => format!("mass_{}_{}_by_{}", q(j), q(at(2)), q(i)),
             (Quantity::CoriolisVectorJacobianQ, _) => format!("coriolis_{}_by_{}", q(i), q(j)),

@@ -63,6 +63,31 @@ pub fn emitted_names(stem: &str, model: &Model) -> EmittedNames {
     EmittedNames { module: names::identifier(stem), baked: format!("{robot}Baked"), robot }
 }
 
+/// A file that includes modules and lists them in macros.
+pub(crate) fn collection(modules: &[crate::build::Module]) -> String {
+    let row = |module: &crate::build::Module| {
+        let EmittedNames { module: name, robot, baked } = module.names.clone();
+        let [n, nx, ns] = module.dimensions.map(|size| size.to_string());
+        let stem = module.stem.clone();
+        BTreeMap::from([
+            ("stem", stem),
+            ("module", name),
+            ("robot", robot),
+            ("baked", baked),
+            ("n", n),
+            ("nx", nx),
+            ("ns", ns),
+        ])
+    };
+    let mut context = tera::Context::new();
+    let robots: Vec<_> =
+        modules.iter().filter(|module| module.shape_accelerated).map(row).collect();
+    context.insert("version", env!("CARGO_PKG_VERSION"));
+    context.insert("modules", &modules.iter().map(row).collect::<Vec<_>>());
+    context.insert("robots", &robots);
+    render("collection.rs", include_str!("../../templates/collection.rs.tera"), &context)
+}
+
 /// The text of a module. The same input gives the same bytes.
 #[must_use]
 pub fn emit(emission: &Emission<'_>) -> String {
@@ -88,13 +113,21 @@ pub fn emit(emission: &Emission<'_>) -> String {
     render("file.rs", include_str!("../../templates/file.rs.tera"), &context)
 }
 
-fn items(emission: &Emission<'_>, symbols: &SymbolNames, source: &dyn Fn(&str) -> Option<String>) -> Vec<Item> {
+fn items(
+    emission: &Emission<'_>,
+    symbols: &SymbolNames,
+    source: &dyn Fn(&str) -> Option<String>,
+) -> Vec<Item> {
     let Emission { model, functions, baked, .. } = *emission;
     let names = emitted_names(emission.stem, model);
     let hoisted = hoist::hoist(functions, symbols, &methods::stem);
     let mut items: Vec<Item> = vec![
-        syn::parse_quote!(use ::shapebot_dynamics::Real;),
-        syn::parse_quote!(use ::shapebot_dynamics::nalgebra::{ArrayStorage, SMatrix, SVector};),
+        syn::parse_quote!(
+            use ::shapebot_dynamics::Real;
+        ),
+        syn::parse_quote!(
+            use ::shapebot_dynamics::nalgebra::{ArrayStorage, SMatrix, SVector};
+        ),
         description::description(emission, symbols),
     ];
     items.extend(parameters::params(model, symbols));
@@ -118,7 +151,10 @@ fn items(emission: &Emission<'_>, symbols: &SymbolNames, source: &dyn Fn(&str) -
             #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
             pub struct #name;
         });
-        let given = functions.iter().map(|(&quantity, function)| (quantity, hoist::baked(function))).collect();
+        let given = functions
+            .iter()
+            .map(|(&quantity, function)| (quantity, hoist::baked(function)))
+            .collect();
         let variant = Variant {
             model,
             symbols,
@@ -135,8 +171,8 @@ fn items(emission: &Emission<'_>, symbols: &SymbolNames, source: &dyn Fn(&str) -
     items
 }
 
-/// Matrices and vectors from arrays.
-fn helpers() -> [Item; 2] {
+/// Between arrays and matrices or vectors.
+fn helpers() -> [Item; 3] {
     [
         syn::parse_quote! {
             /// A matrix from its columns.
@@ -150,6 +186,14 @@ fn helpers() -> [Item; 2] {
             #[inline(always)]
             fn vector<T, const R: usize>(entries: [T; R]) -> SVector<T, R> {
                 SMatrix::from_array_storage(ArrayStorage([entries]))
+            }
+        },
+        syn::parse_quote! {
+            /// The entries of a vector.
+            #[inline(always)]
+            fn entries<T: Copy, const R: usize>(vector: &SVector<T, R>) -> [T; R] {
+                let [entries] = vector.data.0;
+                entries
             }
         },
     ]
@@ -202,21 +246,23 @@ fn place(places: &[(String, String)], label: &str) -> Option<String> {
     found.max_by_key(|(name, _)| name.len()).map(|(_, text)| text.clone())
 }
 
-/// Replaces the statements that stand for comments.
+/// Replaces the statements that stand for comments, and sets items apart by empty lines.
 fn with_comments(code: &str) -> String {
     let mut out = String::with_capacity(code.len());
+    let mut last = "";
     for line in code.lines() {
         let statement = line.trim_start();
-        let text = statement
-            .strip_prefix(syntax::COMMENT)
-            .and_then(|rest| rest.strip_prefix("!("))
-            .and_then(|rest| rest.strip_suffix(");"))
-            .and_then(|literal| syn::parse_str::<syn::LitStr>(literal).ok());
-        match text {
+        let closes = last == "}" || last == "};" || last.starts_with("use ");
+        let opens = ["///", "#[", "fn ", "pub ", "impl", "static ", "const "];
+        if closes && opens.iter().any(|start| statement.starts_with(start)) {
+            out.push('\n');
+        }
+        last = statement;
+        match comment_text(statement) {
             Some(text) => {
                 out.push_str(&line[..line.len() - statement.len()]);
                 out.push_str("// ");
-                out.push_str(&text.value());
+                out.push_str(&text);
             }
             None => out.push_str(line),
         }
@@ -225,10 +271,18 @@ fn with_comments(code: &str) -> String {
     out
 }
 
+/// The text of a statement that stands for a comment.
+fn comment_text(statement: &str) -> Option<String> {
+    let literal =
+        statement.strip_prefix(syntax::COMMENT)?.strip_prefix("!(")?.strip_suffix(");")?;
+    syn::parse_str::<syn::LitStr>(literal).ok().map(|text| text.value())
+}
+
 /// Fills one of our own templates; a mistake in one shows as text in the output, which then does not
 /// compile.
 fn render(name: &'static str, template: &str, context: &tera::Context) -> String {
     let mut engine = tera::Tera::default();
-    let rendered = engine.add_raw_template(name, template).and_then(|()| engine.render(name, context));
+    let rendered =
+        engine.add_raw_template(name, template).and_then(|()| engine.render(name, context));
     rendered.unwrap_or_else(|error| format!("compile_error!({:?});", error.to_string()))
 }

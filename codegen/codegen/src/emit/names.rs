@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 
 /// Names that emitted bodies use themselves.
 const RESERVED: &[&str] = &[
-    "c", "q", "qd", "qdd", "qx", "qs", "qsd", "qsdd", "force", "params", "columns", "vector", "frame", "point",
-    "actuator",
+    "c", "q", "qd", "qdd", "qx", "qs", "qsd", "qsdd", "force", "params", "columns", "vector",
+    "entries", "frame", "point", "actuator",
 ];
 
 /// An identifier of emitted code from a name of the model: `left.arm` becomes `left_arm`.
@@ -30,7 +30,9 @@ pub(super) fn type_name(name: &str) -> String {
     let text = identifier(name);
     let parts = text.split('_').filter(|part| !part.is_empty());
     let camel: String = parts
-        .map(|part| part.chars().next().map_or('X', |c| c.to_ascii_uppercase()).to_string() + &part[1..])
+        .map(|part| {
+            part.chars().next().map_or('X', |c| c.to_ascii_uppercase()).to_string() + &part[1..]
+        })
         .collect();
     match camel.as_str() {
         "Params" | "Self" => camel + "Robot",

@@ -18,14 +18,19 @@ use syn::{Item, Stmt};
 /// `struct Params` with its constructor and validation.
 pub(super) fn params(model: &Model, symbols: &SymbolNames) -> Vec<Item> {
     let fields: Vec<Ident> = symbols.fields.iter().map(|name| ident(name)).collect();
-    let field_docs = model.parameters.iter().map(|parameter| docs::attributes(&parameter_docs(parameter)));
+    let field_docs =
+        model.parameters.iter().map(|parameter| docs::attributes(&parameter_docs(parameter)));
     let declared = field_docs.zip(&fields).map(|(docs, name)| quote!(#(#docs)* pub #name: T));
     let values = model.parameters.iter().map(|p| signed_number(p.value_f64));
-    let bundle = if fields.is_empty() { quote!(marker: ::core::marker::PhantomData<T>) } else { quote!(#(#declared),*) };
+    let bundle = if fields.is_empty() {
+        quote!(marker: ::core::marker::PhantomData<T>)
+    } else {
+        quote!(#(#declared),*)
+    };
     let made = if fields.is_empty() {
         quote!(Self { marker: ::core::marker::PhantomData })
     } else {
-        quote!({ let c = T::from_f64; Self { #(#fields: c(#values)),* } })
+        quote!(let c = T::from_f64; Self { #(#fields: c(#values)),* })
     };
     let structure: Item = syn::parse_quote! {
         /// Parameters, in SI units.
@@ -49,8 +54,15 @@ pub(super) fn params(model: &Model, symbols: &SymbolNames) -> Vec<Item> {
 
 fn parameter_docs(parameter: &Parameter) -> String {
     let meaning = docs::paragraph(&parameter.docs);
-    let range = parameter.range.map_or(String::new(), |Range { lower, upper }| format!(", {lower} to {upper}"));
-    let facts = format!("`{}`, {}{range}; the model has {}.", parameter.path, unit(&parameter.unit.text), parameter.value_f64);
+    let range = parameter
+        .range
+        .map_or(String::new(), |range| format!(", {}", shown_range(range, &parameter.unit.text)));
+    let facts = format!(
+        "`{}`, {}{range}; the model has {}.",
+        parameter.path,
+        unit(&parameter.unit.text),
+        parameter.value_f64
+    );
     if meaning.is_empty() { facts } else { format!("{meaning}\n\n{facts}") }
 }
 
@@ -60,6 +72,18 @@ pub(super) fn unit(text: &str) -> String {
         return "no unit".to_owned();
     }
     text.replace('*', "·").replace("^2", "²").replace("^3", "³")
+}
+
+/// A range for a reader; angles in degrees where that is shorter.
+pub(super) fn shown_range(Range { lower, upper }: Range, unit: &str) -> String {
+    let degrees = |value: f64| {
+        let rounded = (value.to_degrees() * 1000.0).round() / 1000.0;
+        (unit == "rad" && (rounded - value.to_degrees()).abs() < 1e-9).then_some(rounded)
+    };
+    match (degrees(lower), degrees(upper)) {
+        (Some(lower), Some(upper)) => format!("{lower}° to {upper}°"),
+        _ => format!("{lower} to {upper}"),
+    }
 }
 
 /// `validate`: finite, in range, and what the model requires of its parameters.
@@ -95,7 +119,8 @@ fn requirements(model: &Model, symbols: &SymbolNames) -> Vec<Stmt> {
     let mut found = Vec::new();
     for required in &model.requirements {
         if let Requirement::Compare(left, comparison, right) = required.requirement
-            && let (Some(left), Some(right)) = (lower(model, &mut graph, left), lower(model, &mut graph, right))
+            && let (Some(left), Some(right)) =
+                (lower(model, &mut graph, left), lower(model, &mut graph, right))
         {
             let text = docs::one_line(model.text(required.span));
             found.push((left, comparison, right, text));
@@ -105,10 +130,11 @@ fn requirements(model: &Model, symbols: &SymbolNames) -> Vec<Stmt> {
         return Vec::new();
     }
     let root = |id| Root { id, name: "side".to_owned(), block: 0 };
-    let roots: Vec<Root> = found.iter().flat_map(|&(left, _, right, _)| [root(left), root(right)]).collect();
+    let roots: Vec<Root> =
+        found.iter().flat_map(|&(left, _, right, _)| [root(left), root(right)]).collect();
     let body = plain_body(&graph, &roots, symbols, false);
     let mut statements: Vec<Stmt> = Vec::new();
-    if body.constants {
+    if body.constants > 0 {
         statements.push(helper());
     }
     let patterns = used_parameters(&body.used, symbols);
@@ -133,7 +159,10 @@ fn requirements(model: &Model, symbols: &SymbolNames) -> Vec<Stmt> {
     statements
 }
 
-fn used_parameters(used: &std::collections::BTreeSet<Symbol>, symbols: &SymbolNames) -> Vec<TokenStream> {
+fn used_parameters(
+    used: &std::collections::BTreeSet<Symbol>,
+    symbols: &SymbolNames,
+) -> Vec<TokenStream> {
     let parameters = used.iter().filter_map(|symbol| match symbol {
         Symbol::Parameter(i) => Some(field_pattern(symbols, *i as usize)),
         _ => None,
@@ -141,7 +170,12 @@ fn used_parameters(used: &std::collections::BTreeSet<Symbol>, symbols: &SymbolNa
     parameters.collect()
 }
 
-fn plain_body(graph: &Graph, roots: &[Root], symbols: &SymbolNames, named: bool) -> super::body::Body {
+fn plain_body(
+    graph: &Graph,
+    roots: &[Root],
+    symbols: &SymbolNames,
+    named: bool,
+) -> super::body::Body {
     let blocks = ["shared".to_owned()];
     body(&Request { graph, roots, blocks: &blocks, given: &[], symbols, named, source: &|_| None })
 }
@@ -169,7 +203,8 @@ fn lower(model: &Model, graph: &mut Graph, id: ExprId) -> Option<Id> {
             Some(graph.pow(base, exponent))
         }
         Expr::Call(function, arguments) => {
-            let arguments: Option<Vec<Id>> = arguments.iter().map(|&a| lower(model, graph, a)).collect();
+            let arguments: Option<Vec<Id>> =
+                arguments.iter().map(|&a| lower(model, graph, a)).collect();
             apply(graph, *function, &arguments?)
         }
         _ => None,
@@ -215,16 +250,25 @@ pub(super) fn signed_number(value: f64) -> syn::Expr {
 }
 
 /// The robot's type: parameters and what depends on them alone, computed once.
-pub(super) fn robot(type_name: &str, model: &Model, symbols: &SymbolNames, hoisted: &Hoisted) -> Vec<Item> {
+pub(super) fn robot(
+    type_name: &str,
+    model: &Model,
+    symbols: &SymbolNames,
+    hoisted: &Hoisted,
+) -> Vec<Item> {
     let name = ident(type_name);
     let fields: Vec<Ident> = hoisted.fields.iter().map(|root| ident(&root.name)).collect();
     let body = plain_body(&hoisted.graph, &hoisted.fields, symbols, true);
-    let constant = body.constants.then(helper);
+    let constant = (body.constants > 0).then(helper);
     let patterns = used_parameters(&body.used, symbols);
     let rest = (patterns.len() < symbols.fields.len()).then(|| quote!(..));
-    let taken: Option<Stmt> =
-        (!patterns.is_empty()).then(|| syn::parse_quote!(let Params { #(#patterns,)* #rest } = params;));
-    let (statements, results) = (&body.statements, &body.results);
+    let taken: Option<Stmt> = (!patterns.is_empty())
+        .then(|| syn::parse_quote!(let Params { #(#patterns,)* #rest } = params;));
+    let statements = &body.statements;
+    let results = fields.iter().zip(&body.results).map(|(field, value)| match value {
+        syn::Expr::Path(variable) if variable.path.is_ident(field) => quote!(#field),
+        value => quote!(#field: #value),
+    });
     let summary = docs::attributes(&format!(
         "{}: parameters at run time.\n\nHolds the parameters and every value that depends on them alone.",
         docs::cell(&model.name)
@@ -242,7 +286,7 @@ pub(super) fn robot(type_name: &str, model: &Model, symbols: &SymbolNames, hoist
                 #constant
                 #taken
                 #(#statements)*
-                Self { params, #(#fields: #results),* }
+                Self { params, #(#results),* }
             }
 
             /// With the model's own parameter values.

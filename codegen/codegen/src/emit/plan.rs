@@ -8,7 +8,7 @@ use super::names::SymbolNames;
 use shapebot_symbolic::{Graph, Id, Node, Symbol, Unary, nearest, needed};
 
 /// An expression that would be longer than this is split.
-const LONGEST: usize = 120;
+const LONGEST: usize = 150;
 
 /// Width that a named value is reckoned with.
 const NAME_WIDTH: usize = 14;
@@ -38,7 +38,10 @@ pub(super) enum Leaf {
 impl Leaf {
     /// A literal with its sign.
     pub(super) fn number(value: f64) -> Given {
-        Given { negative: value.is_sign_negative() && value != 0.0, leaf: Self::Number(value.abs()) }
+        Given {
+            negative: value.is_sign_negative() && value != 0.0,
+            leaf: Self::Number(value.abs()),
+        }
     }
 }
 
@@ -143,7 +146,8 @@ impl<'a> Plan<'a> {
     }
 
     fn is_leaf(&self, id: Id) -> bool {
-        self.is_given(id) || matches!(self.graph.node(id), Node::Constant(_) | Node::Pi | Node::Symbol(_))
+        self.is_given(id)
+            || matches!(self.graph.node(id), Node::Constant(_) | Node::Pi | Node::Symbol(_))
     }
 
     /// The value without changes of sign, and whether their number is odd.
@@ -233,11 +237,16 @@ impl<'a> Plan<'a> {
     fn fit(&mut self, id: Id) -> usize {
         let operands: Vec<Id> = self.operands(id).collect();
         loop {
-            let widths: Vec<usize> = operands.iter().map(|&operand| self.shown_width(operand)).collect();
+            let widths: Vec<usize> =
+                operands.iter().map(|&operand| self.shown_width(operand)).collect();
             let total = widths.iter().sum::<usize>() + 5;
             let widest = (0..operands.len()).max_by_key(|&k| (widths[k], std::cmp::Reverse(k)));
             match widest {
-                Some(k) if total > LONGEST && !self.is_leaf(operands[k]) && !self.bound[operands[k].index()] => {
+                Some(k)
+                    if total > LONGEST
+                        && !self.is_leaf(operands[k])
+                        && !self.bound[operands[k].index()] =>
+                {
                     self.bound[operands[k].index()] = true;
                 }
                 _ => return total,

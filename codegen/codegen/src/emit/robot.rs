@@ -7,7 +7,7 @@ use super::names::SymbolNames;
 use super::plan::{Given, Root};
 use super::syntax::{self, ident};
 use crate::derive::{Block, Function, Quantity};
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 use shapebot_model_dsl::model::Model;
 use shapebot_symbolic::{Operations, Symbol};
@@ -33,8 +33,7 @@ pub(super) struct Variant<'a> {
 impl Variant<'_> {
     /// The implementations.
     pub(super) fn items(&self) -> Vec<Item> {
-        let (n, nx) = (self.model.coordinates.len(), self.model.position_count());
-        let ns = n - nx;
+        let [n, nx, ns] = self.sizes();
         let this = &self.self_type;
         let mut lagrangian: ItemImpl = syn::parse_quote! {
             impl<T: Real> ::shapebot_dynamics::LagrangianSystem<T, #n> for #this {
@@ -63,14 +62,22 @@ impl Variant<'_> {
         items
     }
 
+    /// n, n_x and n_s as literals.
+    fn sizes(&self) -> [Literal; 3] {
+        let (n, nx) = (self.model.coordinates.len(), self.model.position_count());
+        [n, nx, n - nx].map(Literal::usize_unsuffixed)
+    }
+
     fn method(&self, method: &Method) -> Option<ImplItem> {
         let function = self.functions.get(&method.quantity)?;
         let scalar = matches!(function.blocks.as_slice(), [block] if block.extents.is_empty());
         let body = self.body(function, !scalar);
         let (statements, used) = self.block(function, body, method.inputs);
-        let arguments = method.inputs.iter().map(|&input| self.argument(input, used.contains(&input)));
+        let arguments =
+            method.inputs.iter().map(|&input| self.argument(input, used.contains(&input)));
         let (name, output) = (ident(method.name), self.output_type(function));
-        let mut item: ImplItemFn = syn::parse_quote!(fn #name(&self, #(#arguments),*) -> #output {});
+        let mut item: ImplItemFn =
+            syn::parse_quote!(fn #name(&self, #(#arguments),*) -> #output {});
         item.attrs = docs::attributes(&self.method_docs(method.docs, function));
         item.block.stmts = statements;
         Some(ImplItem::Fn(item))
@@ -78,7 +85,7 @@ impl Variant<'_> {
 
     /// `match index { 0 => { … } … }`, one straight-line block per index.
     fn indexed(&self, method: &Indexed) -> ImplItem {
-        let n = self.model.coordinates.len();
+        let [n, ..] = self.sizes();
         let output = match method.name {
             "input_column" => quote!(SVector<T, #n>),
             "frame_rotation" => quote!(SMatrix<T, 3, 3>),
@@ -92,12 +99,17 @@ impl Variant<'_> {
             let (statements, used) = self.block(function, self.body(function, true), &[Input::Q]);
             reads |= !used.is_empty();
             let block = syn::Block { brace_token: Default::default(), stmts: statements };
+            let index = Literal::usize_unsuffixed(index);
             let arm: syn::Arm = syn::parse_quote!(#index => {});
             let body = Expr::Block(syn::ExprBlock { attrs: Vec::new(), label: None, block });
             arms.push(syn::Arm { body: body.into(), ..arm });
         }
         let (name, otherwise) = (ident(method.name), ident(method.otherwise));
-        let index = ident(&if arms.is_empty() { format!("_{}", method.index) } else { method.index.to_owned() });
+        let index = ident(&if arms.is_empty() {
+            format!("_{}", method.index)
+        } else {
+            method.index.to_owned()
+        });
         let argument = self.argument(Input::Q, reads);
         let mut item: ImplItemFn = syn::parse_quote! {
             fn #name(&self, #argument, #index: usize) -> #output { SMatrix::#otherwise() }
@@ -115,6 +127,7 @@ impl Variant<'_> {
     fn argument(&self, input: Input, used: bool) -> TokenStream {
         let size = input.symbols(self.model.coordinates.len(), self.model.position_count()).len();
         let name = if used { ident(input.name()) } else { ident(&format!("_{}", input.name())) };
+        let size = Literal::usize_unsuffixed(size);
         quote!(#name: &SVector<T, #size>)
     }
 
@@ -146,7 +159,8 @@ impl Variant<'_> {
     /// inputs that it reads.
     fn block(&self, function: &Function, body: Body, inputs: &[Input]) -> (Vec<Stmt>, Vec<Input>) {
         let mut statements = Vec::new();
-        if body.constants {
+        let (result, zeros) = self.result(function, body.results.clone());
+        if body.constants > zeros {
             statements.push(helper());
         }
         if self.runtime {
@@ -161,7 +175,7 @@ impl Variant<'_> {
             }
         }
         statements.extend(body.statements);
-        statements.push(Stmt::Expr(self.result(function, body.results), None));
+        statements.push(Stmt::Expr(result, None));
         (statements, read)
     }
 
@@ -173,10 +187,11 @@ impl Variant<'_> {
         });
         let patterns: Vec<TokenStream> = used.map(|i| field_pattern(self.symbols, i)).collect();
         let rest = (patterns.len() < self.symbols.fields.len()).then(|| quote!(..));
-        (!patterns.is_empty()).then(|| syn::parse_quote!(let Params { #(#patterns,)* #rest } = self.params;))
+        (!patterns.is_empty())
+            .then(|| syn::parse_quote!(let Params { #(#patterns,)* #rest } = self.params;))
     }
 
-    /// `let [[_, phi_x]] = q.data.0;`
+    /// `let [_, phi_x] = entries(q);`
     fn taken_apart(&self, input: Input, symbols: &[Symbol], body: &Body) -> Option<Stmt> {
         let name = |symbol: &Symbol| body.used.contains(symbol).then(|| self.symbols.of(*symbol));
         let names: Vec<Option<&str>> = symbols.iter().map(name).collect();
@@ -184,46 +199,58 @@ impl Variant<'_> {
             return None;
         }
         let entries = syntax::slice_pattern(names.into_iter().map(syntax::pattern));
-        let argument = ident(input.name());
-        let data: Expr = syn::parse_quote!(#argument.data.0);
-        Some(syntax::binding(syntax::slice_pattern([entries]), data))
+        let argument = syntax::variable(input.name());
+        Some(syntax::binding(entries, syntax::call("entries", argument)))
     }
 
-    fn result(&self, function: &Function, results: Vec<Expr>) -> Expr {
+    /// The result, and how many zeros of it went into `zeros()`.
+    fn result(&self, function: &Function, results: Vec<Expr>) -> (Expr, usize) {
         let mut results = results.into_iter();
-        let mut values = function.blocks.iter().map(|block| {
-            let entries: Vec<Expr> = results.by_ref().take(block.entries.len()).collect();
-            (block.name, assembled(&block.extents, entries))
-        });
-        if let [_] = function.blocks.as_slice()
-            && let Some((_, value)) = values.next()
-        {
-            return value;
+        let mut zeros = 0;
+        let mut assemble = |block: &Block| {
+            let entries = results.by_ref().take(block.entries.len());
+            let entry = |(value, &id)| (!function.graph.is_zero(id)).then_some(value);
+            let entries: Vec<Option<Expr>> = entries.zip(&block.entries).map(entry).collect();
+            (block.name, assembled(&block.extents, entries, &mut zeros))
+        };
+        if let [block] = function.blocks.as_slice() {
+            let (_, value) = assemble(block);
+            return (value, zeros);
         }
+        let values: Vec<(&str, Expr)> = function.blocks.iter().map(assemble).collect();
         let bundle = match function.quantity {
             Quantity::Response => quote!(::shapebot_dynamics::Response),
             _ => quote!(::shapebot_dynamics::Motion),
         };
-        let (names, values): (Vec<syn::Ident>, Vec<Expr>) = values.map(|(name, value)| (ident(name), value)).unzip();
+        let (names, values): (Vec<syn::Ident>, Vec<Expr>) =
+            values.into_iter().map(|(name, value)| (ident(name), value)).unzip();
         let mut literal: syn::ExprStruct = syn::parse_quote!(#bundle { #(#names: x),* });
         for (field, value) in literal.fields.iter_mut().zip(values) {
             field.expr = value;
         }
-        Expr::Struct(literal)
+        (Expr::Struct(literal), zeros)
     }
 
     fn output_type(&self, function: &Function) -> TokenStream {
-        let n = self.model.coordinates.len();
-        let nx = self.model.position_count();
-        let ns = n - nx;
+        let [n, nx, ns] = self.sizes();
+        let size = Literal::usize_unsuffixed;
         match (function.quantity, function.blocks.as_slice()) {
             (Quantity::Response, _) => quote!(::shapebot_dynamics::Response<T, #nx, #ns>),
             (Quantity::Motion, _) => quote!(::shapebot_dynamics::Motion<T, #n>),
             (_, [block]) => match *block.extents.as_slice() {
                 [] => quote!(T),
-                [rows] => quote!(SVector<T, #rows>),
-                [rows, columns] => quote!(SMatrix<T, #rows, #columns>),
-                [layers, rows, columns, ..] => quote!([SMatrix<T, #rows, #columns>; #layers]),
+                [rows] => {
+                    let rows = size(rows);
+                    quote!(SVector<T, #rows>)
+                }
+                [rows, columns] => {
+                    let (rows, columns) = (size(rows), size(columns));
+                    quote!(SMatrix<T, #rows, #columns>)
+                }
+                [layers, rows, columns, ..] => {
+                    let (layers, rows, columns) = (size(layers), size(rows), size(columns));
+                    quote!([SMatrix<T, #rows, #columns>; #layers])
+                }
             },
             _ => quote!(T),
         }
@@ -231,9 +258,13 @@ impl Variant<'_> {
 
     fn method_docs(&self, text: &str, function: &Function) -> String {
         let other = self.other.and_then(|functions| functions.get(&function.quantity));
-        let (runtime, baked) = if self.runtime { (Some(function), other) } else { (other, Some(function)) };
-        let mut lines = vec![text.to_owned(), String::new(), format!("Derived by: {}.", function.method)];
-        let count = |title: &str, function: &Function| format!("\n{title}: {}.", operations(&function.operations));
+        let (runtime, baked) =
+            if self.runtime { (Some(function), other) } else { (other, Some(function)) };
+        let mut lines =
+            vec![text.to_owned(), String::new(), format!("Derived by: {}.", function.method)];
+        let count = |title: &str, function: &Function| {
+            format!("\n{title}: {}.", operations(&function.operations))
+        };
         lines.extend(runtime.map(|function| count("Operations, parameters at run time", function)));
         lines.extend(baked.map(|function| count("Operations, parameters baked", function)));
         lines.join("\n")
@@ -261,8 +292,9 @@ fn operations(count: &Operations) -> String {
         (count.functions, "other function", false),
     ];
     let shown = parts.into_iter().filter(|&(number, _, always)| always || number > 0);
-    let texts: Vec<String> =
-        shown.map(|(number, name, _)| format!("{number} {name}{}", if number == 1 { "" } else { "s" })).collect();
+    let texts: Vec<String> = shown
+        .map(|(number, name, _)| format!("{number} {name}{}", if number == 1 { "" } else { "s" }))
+        .collect();
     texts.join(", ")
 }
 
@@ -276,25 +308,33 @@ fn position(block: &Block, mut k: usize) -> Vec<usize> {
     index
 }
 
-/// Entries, last index fastest, as a scalar, vector, matrix or list of matrices.
-fn assembled(extents: &[usize], entries: Vec<Expr>) -> Expr {
-    let undefined = || syntax::variable("undefined");
+/// Entries, last index fastest, `None` where zero, as a scalar, vector, matrix or list of matrices.
+/// Counts the zeros that are not written one by one.
+fn assembled(extents: &[usize], entries: Vec<Option<Expr>>, zeros: &mut usize) -> Expr {
+    let zero = || syntax::call("c", syntax::number(0.0));
+    if matches!(extents, [_] | [_, _]) && entries.iter().all(Option::is_none) {
+        *zeros += entries.len();
+        return syn::parse_quote!(SMatrix::zeros());
+    }
     match *extents {
-        [] => entries.into_iter().next().unwrap_or_else(undefined),
-        [_] => syntax::call("vector", syntax::array(entries)),
+        [] => entries.into_iter().flatten().next().unwrap_or_else(zero),
+        [_] => syntax::call(
+            "vector",
+            syntax::array(entries.into_iter().map(|entry| entry.unwrap_or_else(zero))),
+        ),
         [rows, columns] => {
             // nalgebra stores columns.
-            let mut entries: Vec<Option<Expr>> = entries.into_iter().map(Some).collect();
-            let mut entry =
-                |row, column| entries.get_mut(row * columns + column).and_then(Option::take).unwrap_or_else(undefined);
-            let lists: Vec<Expr> =
-                (0..columns).map(|j| syntax::array((0..rows).map(|i| entry(i, j)).collect::<Vec<_>>())).collect();
-            syntax::call("columns", syntax::array(lists))
+            let mut entries = entries;
+            let mut entry = |row, column| {
+                entries.get_mut(row * columns + column).and_then(Option::take).unwrap_or_else(zero)
+            };
+            let mut list = |j| syntax::array((0..rows).map(|i| entry(i, j)).collect::<Vec<_>>());
+            syntax::call("columns", syntax::array((0..columns).map(&mut list).collect::<Vec<_>>()))
         }
         [layers, ref matrix @ ..] => {
             let size = matrix.iter().product();
             let mut entries = entries.into_iter();
-            let layer = |_| assembled(matrix, entries.by_ref().take(size).collect());
+            let layer = |_| assembled(matrix, entries.by_ref().take(size).collect(), zeros);
             syntax::array((0..layers).map(layer).collect::<Vec<_>>())
         }
     }

@@ -4,9 +4,9 @@
 use proc_macro2::Span;
 use syn::punctuated::Punctuated;
 use syn::{
-    BinOp, Expr, ExprArray, ExprBinary, ExprCall, ExprField, ExprLit, ExprMethodCall, ExprTuple,
-    ExprUnary, Ident, Lit, LitFloat, Local, LocalInit, Member, Pat, PatIdent, PatSlice, PatTuple,
-    PatWild, Stmt, UnOp,
+    BinOp, Expr, ExprArray, ExprBinary, ExprCall, ExprField, ExprLit, ExprMethodCall, ExprUnary,
+    Ident, Lit, LitFloat, Local, LocalInit, Member, Pat, PatIdent, PatSlice, PatTuple, PatWild,
+    Stmt, UnOp,
 };
 
 /// Name of the macro that stands for a comment until the text is formatted.
@@ -60,7 +60,11 @@ pub(super) fn negative(x: Expr) -> Expr {
     }
 }
 
-pub(super) fn method(receiver: Expr, name: &str, arguments: impl IntoIterator<Item = Expr>) -> Expr {
+pub(super) fn method(
+    receiver: Expr,
+    name: &str,
+    arguments: impl IntoIterator<Item = Expr>,
+) -> Expr {
     Expr::MethodCall(ExprMethodCall {
         attrs: Vec::new(),
         receiver: Box::new(receiver),
@@ -93,21 +97,16 @@ pub(super) fn field(base: Expr, name: &str) -> Expr {
 /// The shortest decimal that reads back as the same double, which must be finite and not negative.
 pub(super) fn literal(value: f64) -> Expr {
     let text = format!("{value:?}");
-    Expr::Lit(ExprLit { attrs: Vec::new(), lit: Lit::Float(LitFloat::new(&text, Span::call_site())) })
+    Expr::Lit(ExprLit {
+        attrs: Vec::new(),
+        lit: Lit::Float(LitFloat::new(&text, Span::call_site())),
+    })
 }
 
 pub(super) fn array(elements: impl IntoIterator<Item = Expr>) -> Expr {
     Expr::Array(ExprArray {
         attrs: Vec::new(),
         bracket_token: Default::default(),
-        elems: elements.into_iter().collect(),
-    })
-}
-
-pub(super) fn tuple(elements: impl IntoIterator<Item = Expr>) -> Expr {
-    Expr::Tuple(ExprTuple {
-        attrs: Vec::new(),
-        paren_token: Default::default(),
         elems: elements.into_iter().collect(),
     })
 }
@@ -149,7 +148,11 @@ pub(super) fn binding(pat: Pat, value: Expr) -> Stmt {
         let_token: Default::default(),
         modifiers: Default::default(),
         pat,
-        init: Some(LocalInit { eq_token: Default::default(), expr: Box::new(value), diverge: None }),
+        init: Some(LocalInit {
+            eq_token: Default::default(),
+            expr: Box::new(value),
+            diverge: None,
+        }),
         semi_token: Default::default(),
     })
 }

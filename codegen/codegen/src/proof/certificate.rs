@@ -278,6 +278,11 @@ pub struct Linearisation {
     pub through: Vec<String>,
     /// Zeros of the position's response to u: the roots of det(1 − τ² s²).
     pub zeros: Vec<Root>,
+    /// The same τ² for the task-space output, in coordinates in which it moves with q_x:
+    /// τ² − (∂h/∂q_x)⁻¹ (∂h/∂q_s) K⁰_qx, s².
+    pub output_time_constants: Vec<Vec<f64>>,
+    /// Zeros of the output's response to u.
+    pub output_zeros: Vec<Root>,
 }
 
 /// The mass matrix is symmetric positive definite.

@@ -11,11 +11,12 @@ use shapebot_symbolic::Symbol;
 pub(super) fn independence(problem: &mut Problem<'_>) -> (Condition, Vec<Finding>) {
     let mut findings = Vec::new();
     for x in 0..problem.n_x() {
-        findings.extend(position_dependence(problem, x));
-        findings.extend(rate_dependence(problem, x));
+        // Inertia that depends on q_x makes forces that depend on q̇_x: one message is enough.
+        let by_position = position_dependence(problem, x);
+        findings.extend(by_position.or_else(|| rate_dependence(problem, x)));
     }
     let statement = format!(
-        "the equations of {} are free of {} and of their rates",
+        "the unactuated equations ({}) are free of q_x = ({}) and q_x'",
         problem.names(problem.unactuated.iter().copied()),
         problem.names(0..problem.n_x()),
     );

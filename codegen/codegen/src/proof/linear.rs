@@ -33,7 +33,8 @@ pub(super) fn symmetric_eigenvalues(matrix: &Matrix) -> Vec<f64> {
     let n = matrix.len();
     let mut a = matrix.clone();
     for _sweep in 0..50 {
-        let off: f64 = (0..n).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| a[i][j].powi(2)).sum();
+        let off: f64 =
+            (0..n).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| a[i][j].powi(2)).sum();
         let diagonal: f64 = (0..n).map(|i| a[i][i].powi(2)).sum();
         if off <= 1e-32 * diagonal {
             break;
@@ -156,7 +157,8 @@ pub(super) fn eigenvalues(a: &Matrix) -> Vec<Root> {
     polynomial_roots(&coefficients)
 }
 
-fn identity(n: usize) -> Matrix {
+/// Unit matrix.
+pub(super) fn identity(n: usize) -> Matrix {
     (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect()
 }
 

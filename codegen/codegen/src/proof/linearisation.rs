@@ -28,10 +28,17 @@ pub(super) fn examine(problem: &mut Problem<'_>, map: Option<&ShapeMap>) -> Opti
     let n_x = problem.n_x();
     let minor = |a: &[Vec<f64>]| a[n_x..].iter().map(|row| row[n_x..].to_vec()).collect();
     let locked_poles = poles_of_minor(&minor(&k), &minor(&m));
-    let (through, time_constants) = map.map(|map| response(problem, map)).unwrap_or_default();
-    let zeros = zeros(&time_constants);
-    let through = through.into_iter().map(|i| problem.name(i)).collect();
-    Some(Linearisation { poles, locked_poles, time_constants, through, zeros })
+    let (through, [time_constants, output_time_constants]) =
+        map.map(|map| response(problem, map)).unwrap_or_default();
+    Some(Linearisation {
+        poles,
+        locked_poles,
+        zeros: zeros(&time_constants),
+        time_constants,
+        through: through.into_iter().map(|i| problem.name(i)).collect(),
+        output_zeros: zeros(&output_time_constants),
+        output_time_constants,
+    })
 }
 
 fn poles_of_minor(k: &Vec<Vec<f64>>, m: &Vec<Vec<f64>>) -> Vec<Root> {
@@ -57,7 +64,7 @@ fn poles(k: &Vec<Vec<f64>>, m: &Vec<Vec<f64>>) -> Option<Vec<Root>> {
 
 /// τ² through the unactuated shape variables; through all of them if the unactuated rows are none of
 /// the shape's (a maze) or do not reach every acceleration alone.
-fn response(problem: &mut Problem<'_>, map: &ShapeMap) -> (Vec<usize>, Vec<Vec<f64>>) {
+fn response(problem: &mut Problem<'_>, map: &ShapeMap) -> (Vec<usize>, [Vec<Vec<f64>>; 2]) {
     let n_x = problem.n_x();
     let balancing: Vec<usize> = problem.unactuated.iter().copied().filter(|&u| u >= n_x).collect();
     let all: Vec<usize> = (n_x..problem.len()).collect();
@@ -69,7 +76,7 @@ fn response(problem: &mut Problem<'_>, map: &ShapeMap) -> (Vec<usize>, Vec<Vec<f
             return (through, constants);
         }
     }
-    (Vec::new(), Vec::new())
+    Default::default()
 }
 
 /// Roots of det(1 − τ² s²): ±1/√μ for every nonzero eigenvalue μ of τ².
@@ -80,13 +87,14 @@ fn zeros(time_constants: &Vec<Vec<f64>>) -> Vec<Root> {
     let values = eigenvalues(time_constants);
     let size = |r: &Root| r.re.hypot(r.im);
     let largest = values.iter().map(size).fold(0.0, f64::max);
-    let roots = values.iter().filter(|r| size(r) > ROUNDING * largest.max(ROUNDING)).flat_map(|r| {
-        // s = ±μ^(−1/2), principal branch.
-        let modulus = 1.0 / size(r).sqrt();
-        let angle = -0.5 * r.im.atan2(r.re);
-        let re = if r.im == 0.0 && r.re < 0.0 { 0.0 } else { modulus * angle.cos() };
-        let im = if r.im == 0.0 && r.re > 0.0 { 0.0 } else { modulus * angle.sin() };
-        [Root { re, im }, Root { re: 0.0 - re, im: 0.0 - im }]
-    });
+    let roots =
+        values.iter().filter(|r| size(r) > ROUNDING * largest.max(ROUNDING)).flat_map(|r| {
+            // s = ±μ^(−1/2), principal branch.
+            let modulus = 1.0 / size(r).sqrt();
+            let angle = -0.5 * r.im.atan2(r.re);
+            let re = if r.im == 0.0 && r.re < 0.0 { 0.0 } else { modulus * angle.cos() };
+            let im = if r.im == 0.0 && r.re > 0.0 { 0.0 } else { modulus * angle.sin() };
+            [Root { re, im }, Root { re: 0.0 - re, im: 0.0 - im }]
+        });
     sorted(roots.collect())
 }

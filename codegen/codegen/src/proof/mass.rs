@@ -58,8 +58,12 @@ fn indefinite_at_origin(problem: &Problem<'_>, origin: &[Vec<f64>]) -> Finding {
     let place = lacking.unwrap_or(0);
     let name = problem.name(place);
     let label = match lacking {
-        Some(i) if origin[i][i] == 0.0 => format!("no kinetic energy is in the rate of `{name}` alone"),
-        Some(i) if origin[i][i].is_nan() => "the mass matrix is not defined at the origin".to_owned(),
+        Some(i) if origin[i][i] == 0.0 => {
+            format!("no kinetic energy is in the rate of `{name}` alone")
+        }
+        Some(i) if origin[i][i].is_nan() => {
+            "the mass matrix is not defined at the origin".to_owned()
+        }
         Some(_) => format!("moving `{name}` alone has negative kinetic energy"),
         None => "some combination of rates has no kinetic energy".to_owned(),
     };
@@ -81,7 +85,8 @@ pub(super) fn output(problem: &mut Problem<'_>) -> Option<Finding> {
     let entries = problem.equations.output.clone();
     let wrong = |title: String| Some(Finding::new(codes::P0609, '-', declared.span, title));
     if entries.len() != n_x {
-        let title = format!("the output has {} entries for {n_x} position variables", entries.len());
+        let title =
+            format!("the output has {} entries for {n_x} position variables", entries.len());
         return wrong(title).map(|f| f.help("give one entry per position variable"));
     }
     let mut jacobian = Vec::new();

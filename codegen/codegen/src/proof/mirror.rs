@@ -9,8 +9,8 @@
 use super::certificate::Mirror;
 use super::finding::Finding;
 use super::problem::{Problem, index};
-use shapebot_model_dsl::{Span, codes};
 use shapebot_model_dsl::model::{Axis, CoordinateId, Expr, ExprId, Requirement};
+use shapebot_model_dsl::{Span, codes};
 use shapebot_symbolic::field::pseudo_random;
 use shapebot_symbolic::interval::Tape;
 use shapebot_symbolic::{Id, Symbol, substitute, symbols_of};
@@ -117,7 +117,8 @@ fn coordinates_in(problem: &Problem<'_>, id: ExprId, used: &mut BTreeSet<usize>)
 fn plausible(problem: &Problem<'_>, image: &[usize], flip: &[bool]) -> bool {
     let tape = Tape::new(&problem.graph, &[problem.equations.kinetic, problem.equations.potential]);
     #[allow(clippy::cast_precision_loss)]
-    let random = |kind: u64, i: u64| pseudo_random(&[0x31, kind, i]).value() as f64 / (1_u64 << 61) as f64;
+    let random =
+        |kind: u64, i: u64| pseudo_random(&[0x31, kind, i]).value() as f64 / (1_u64 << 61) as f64;
     let value = |symbol: Symbol, mirrored: bool| {
         let (kind, i) = match symbol {
             Symbol::Coordinate(i) => (1, i as usize),
@@ -172,7 +173,9 @@ fn broken(
         .chunks(2)
         .zip(&problem.equations.sources)
         .filter(|(energies, _)| !originals.contains(&(energies[0], energies[1])))
-        .map(|(_, source)| (source.span, format!("{} is not the mirror image of any other term", source.name)))
+        .map(|(_, source)| {
+            (source.span, format!("{} is not the mirror image of any other term", source.name))
+        })
         .collect();
     let (left, right) = instances;
     Finding::new(

@@ -35,6 +35,8 @@ pub use certificate::{
     PositionFacts, RangeClaim, Reason, Root, RowIntegrability, SetGain, ShapeMap, Strict,
 };
 
+pub(crate) use problem::determinant;
+
 use crate::derive::Equations;
 use finding::Finding;
 use problem::Problem;
@@ -81,7 +83,7 @@ pub fn prove(model: &Model, equations: &Equations) -> Result<Certificate, Vec<Di
     }
     conditions.sort_by_key(|condition| condition.letter);
 
-    let required = 
+    let required =
         model.requirements.iter().any(|r| matches!(r.requirement, Requirement::ShapeAccelerated));
     if required {
         demands.append(&mut failures.clone());

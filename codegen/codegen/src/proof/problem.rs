@@ -99,7 +99,9 @@ impl<'a> Problem<'a> {
     /// The model's own value of a symbol; coordinates and rates are zero.
     pub(super) fn value_of(&self, symbol: Symbol) -> f64 {
         match symbol {
-            Symbol::Parameter(i) => self.model.parameters.get(i as usize).map_or(0.0, |p| p.value_f64),
+            Symbol::Parameter(i) => {
+                self.model.parameters.get(i as usize).map_or(0.0, |p| p.value_f64)
+            }
             _ => 0.0,
         }
     }
@@ -131,7 +133,11 @@ impl<'a> Problem<'a> {
     }
 
     /// A point by names, coordinates first; parameters only if they vary.
-    pub(super) fn named_point(&self, point: &BTreeMap<Symbol, f64>, fixed: bool) -> Vec<(String, f64)> {
+    pub(super) fn named_point(
+        &self,
+        point: &BTreeMap<Symbol, f64>,
+        fixed: bool,
+    ) -> Vec<(String, f64)> {
         let coordinates = point.iter().filter_map(|(symbol, &value)| match *symbol {
             Symbol::Coordinate(i) => Some((self.name(i as usize), value)),
             _ => None,
@@ -192,7 +198,7 @@ pub(super) const fn index(i: usize) -> u32 {
 }
 
 /// Determinant by minors over subsets of columns.
-pub(super) fn determinant(graph: &mut Graph, matrix: &[Vec<Id>]) -> Id {
+pub(crate) fn determinant(graph: &mut Graph, matrix: &[Vec<Id>]) -> Id {
     let n = matrix.len();
     // minors[columns] is the determinant of the last |columns| rows in these columns.
     let mut minors = BTreeMap::from([(0_u32, graph.one())]);

@@ -44,8 +44,7 @@ pub(super) fn claims(problem: &Problem<'_>, det: Id, at_origin: Id) -> (RangeCla
     let moves = symbols.iter().any(|s| matches!(s, Symbol::Coordinate(_)));
     let claim = |fixed: bool| claim(problem, det, at_origin, fixed);
     let first = if moves { claim(true) } else { RangeClaim::NothingVaries };
-    let second =
-        if symbols.iter().any(ranged) { claim(false) } else { RangeClaim::NothingVaries };
+    let second = if symbols.iter().any(ranged) { claim(false) } else { RangeClaim::NothingVaries };
     (first, second)
 }
 
@@ -76,7 +75,15 @@ fn claim(problem: &Problem<'_>, det: Id, at_origin: Id, fixed: bool) -> RangeCla
         .map(|symbol| (symbol, box_of(problem, symbol, fixed)))
         .collect();
     match prove_nonzero(&problem.graph, det, &boxes, BUDGET) {
-        Verdict::Proved { boxes } => RangeClaim::Proved { boxes },
+        // Up to 90° the double nearest to 90° keeps cos above zero, by 6e-17: proved, and useless.
+        Verdict::Proved { boxes: count } => {
+            match least_ratio(problem, det, at_origin, &boxes, None) {
+                (ratio, point) if ratio < LOST => {
+                    RangeClaim::Fails { at: problem.named_point(&point, fixed) }
+                }
+                _ => RangeClaim::Proved { boxes: count },
+            }
+        }
         Verdict::Refuted { point } => RangeClaim::Fails { at: problem.named_point(&point, fixed) },
         Verdict::Undecided { at } => sampled(problem, det, at_origin, &boxes, at, fixed),
     }
@@ -91,39 +98,52 @@ fn sampled(
     worst: BTreeMap<Symbol, f64>,
     fixed: bool,
 ) -> RangeClaim {
-    let tape = Tape::new(&problem.graph, &[det, at_origin]);
-    let relative = |point: &BTreeMap<Symbol, f64>| {
-        let value = |s: &Symbol| point.get(s).copied().unwrap_or(0.0);
-        let values = tape.at(&tape.inputs().iter().map(value).collect::<Vec<f64>>());
-        // NaN counts as lost.
-        let ratio = (values[0] / values[1]).abs();
-        if ratio.is_nan() { 0.0 } else { ratio }
-    };
-    let mut least = (relative(&worst), worst);
-    for sample in 0..SAMPLES {
-        let point = sample_point(boxes, sample);
-        let ratio = relative(&point);
-        if ratio < least.0 {
-            least = (ratio, point);
-        }
-    }
-    let at = problem.named_point(&least.1, fixed);
-    match least.0 {
+    let (ratio, point) = least_ratio(problem, det, at_origin, boxes, Some(worst));
+    let at = problem.named_point(&point, fixed);
+    match ratio {
         ratio if ratio < LOST => RangeClaim::Fails { at },
         ratio if ratio > KEPT => RangeClaim::SampledOnly { samples: SAMPLES },
         _ => RangeClaim::Undecided { at },
     }
 }
 
+/// The smallest part of its value at the origin that the determinant keeps at samples, and where.
+fn least_ratio(
+    problem: &Problem<'_>,
+    det: Id,
+    at_origin: Id,
+    boxes: &BTreeMap<Symbol, Interval>,
+    known: Option<BTreeMap<Symbol, f64>>,
+) -> (f64, BTreeMap<Symbol, f64>) {
+    let tape = Tape::new(&problem.graph, &[det, at_origin]);
+    let relative = |point: &BTreeMap<Symbol, f64>| {
+        let value = |s: &Symbol| point.get(s).copied().unwrap_or_else(|| problem.value_of(*s));
+        let values = tape.at(&tape.inputs().iter().map(value).collect::<Vec<f64>>());
+        // NaN counts as lost.
+        let ratio = (values[0] / values[1]).abs();
+        if ratio.is_nan() { 0.0 } else { ratio }
+    };
+    known
+        .into_iter()
+        .chain((0..SAMPLES).map(|sample| sample_point(boxes, sample)))
+        .map(|point| (relative(&point), point))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap_or_default()
+}
+
 /// A fixed pseudo-random point of a box; every fourth one a corner.
-pub(super) fn sample_point(boxes: &BTreeMap<Symbol, Interval>, sample: usize) -> BTreeMap<Symbol, f64> {
-    let corner = sample % 4 == 0;
+pub(super) fn sample_point(
+    boxes: &BTreeMap<Symbol, Interval>,
+    sample: usize,
+) -> BTreeMap<Symbol, f64> {
+    let corner = sample.is_multiple_of(4);
     boxes
         .iter()
         .enumerate()
         .map(|(k, (&symbol, x))| {
             #[allow(clippy::cast_precision_loss)]
-            let t = pseudo_random(&[0x5a, sample as u64, k as u64]).value() as f64 / (1_u64 << 61) as f64;
+            let t = pseudo_random(&[0x5a, sample as u64, k as u64]).value() as f64
+                / (1_u64 << 61) as f64;
             let t = if corner { t.round() } else { t };
             (symbol, x.lower + t * x.width())
         })
@@ -131,7 +151,10 @@ pub(super) fn sample_point(boxes: &BTreeMap<Symbol, Interval>, sample: usize) ->
 }
 
 /// Ranges of all coordinates, zero where none is declared, parameters at the model's values.
-pub(super) fn coordinate_boxes(problem: &Problem<'_>, symbols: &[Symbol]) -> BTreeMap<Symbol, Interval> {
+pub(super) fn coordinate_boxes(
+    problem: &Problem<'_>,
+    symbols: &[Symbol],
+) -> BTreeMap<Symbol, Interval> {
     let bounded = |symbol: Symbol| match box_of(problem, symbol, true) {
         x if x.is_bounded() => x,
         _ => Interval::ZERO,
@@ -143,9 +166,8 @@ pub(super) fn coordinate_boxes(problem: &Problem<'_>, symbols: &[Symbol]) -> BTr
 pub(super) fn finding(problem: &Problem<'_>, claim: &RangeClaim) -> Option<Finding> {
     let RangeClaim::Fails { at } = claim else { return None };
     let largest = at.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    let place = largest.and_then(|(name, _)| {
-        problem.model.coordinates.iter().position(|c| c.path == *name)
-    });
+    let place = largest
+        .and_then(|(name, _)| problem.model.coordinates.iter().position(|c| c.path == *name));
     Some(
         Finding::new(
             codes::P0613,
@@ -169,8 +191,12 @@ pub(super) fn point_text(problem: &Problem<'_>, at: &[(String, f64)]) -> String 
             .model
             .coordinates
             .iter()
-            .any(|c| c.path == *name && c.unit.dimension == shapebot_model_dsl::model::Dimension::default());
-        if angle { format!("{name} = {:.2} deg", value.to_degrees()) } else { format!("{name} = {value:.4}") }
+            .any(|c| c.path == *name && c.unit.dimension.exponents.iter().all(|e| e.0 == 0));
+        if angle {
+            format!("{name} = {:.2} deg", value.to_degrees())
+        } else {
+            format!("{name} = {value:.4}")
+        }
     };
     at.iter().map(describe).collect::<Vec<_>>().join(", ")
 }

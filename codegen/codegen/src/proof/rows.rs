@@ -26,10 +26,10 @@ pub(super) fn examine(problem: &Problem<'_>) -> Rows {
     let counted = if coupling.is_none() { count(problem) } else { None };
     let n_x = problem.n_x();
     let n_s = problem.len() - n_x;
-    let k = if n_x > 0 && n_s % n_x == 0 { n_s / n_x } else { 0 };
+    let k = if n_x > 0 && n_s.is_multiple_of(n_x) { n_s / n_x } else { 0 };
     let statement = |holds: bool| match holds {
         true => format!(
-            "{n_x} unactuated equations ({}) for {n_x} position variables; n_s = {k} n_x",
+            "unactuated equations ({}): as many as position variables, {n_x}; n_s = {k} n_x",
             problem.names(problem.unactuated.iter().copied()),
         ),
         false => format!("n_x = {n_x} unactuated equations, n_s = k n_x"),
@@ -39,7 +39,11 @@ pub(super) fn examine(problem: &Problem<'_>) -> Rows {
         (None, Some(_)) => Evidence::Fails,
         (None, None) => Evidence::Exact,
     };
-    rows.conditions.push(Condition { letter: 'a', statement: statement(a == Evidence::Exact), evidence: a });
+    rows.conditions.push(Condition {
+        letter: 'a',
+        statement: statement(a == Evidence::Exact),
+        evidence: a,
+    });
     let f = if coupling.is_some() { Evidence::Fails } else { Evidence::Exact };
     rows.conditions.push(Condition {
         letter: 'f',
@@ -80,10 +84,11 @@ fn coupling(problem: &Problem<'_>) -> Option<Finding> {
     let mut owner: Vec<Option<usize>> = vec![None; problem.len()];
     for j in 0..count {
         match column(j)[..] {
-            [(i, entry)] if entry == graph.one() => match owner[i].replace(j) {
-                Some(other) => return Some(shared(problem, i, other, j)),
-                None => {}
-            },
+            [(i, entry)] if entry == graph.one() => {
+                if let Some(other) = owner[i].replace(j) {
+                    return Some(shared(problem, i, other, j));
+                }
+            }
             ref entries => return Some(coupled(problem, j, entries)),
         }
     }
@@ -102,7 +107,12 @@ fn shared(problem: &Problem<'_>, i: usize, first: usize, second: usize) -> Findi
         codes::P0607,
         'f',
         actuator_span(problem, second),
-        format!("two actuators, `{}` and `{}`, work on `{}`", name(first), name(second), problem.name(i)),
+        format!(
+            "two actuators, `{}` and `{}`, work on `{}`",
+            name(first),
+            name(second),
+            problem.name(i)
+        ),
     )
     .label("the second one")
     .also([(actuator_span(problem, first), "the first one".to_owned())])
@@ -121,11 +131,17 @@ fn coupled(problem: &Problem<'_>, j: usize, entries: &[(usize, Id)]) -> Finding 
     }
     let rows = entries
         .iter()
-        .map(|&(i, b)| format!("{} in the row of `{}`", coefficient_text(problem, b), problem.name(i)))
+        .map(|&(i, b)| {
+            format!("{} in the row of `{}`", coefficient_text(problem, b), problem.name(i))
+        })
         .collect::<Vec<_>>()
         .join(", ");
     let title = if entries.len() > 1 {
-        format!("`{}` drives {} equations at once: the input matrix couples them", actuator.name, entries.len())
+        format!(
+            "`{}` drives {} equations at once: the input matrix couples them",
+            actuator.name,
+            entries.len()
+        )
     } else {
         format!("`{}` does not enter its equation with the coefficient one", actuator.name)
     };
@@ -228,7 +244,8 @@ fn count(problem: &Problem<'_>) -> Option<Finding> {
         );
     }
     if free != n_x {
-        let places = problem.unactuated.iter().map(|&i| (span(i), "no actuator works on this".to_owned()));
+        let places =
+            problem.unactuated.iter().map(|&i| (span(i), "no actuator works on this".to_owned()));
         let help = if free > n_x {
             format!("add {} actuator(s), or declare fewer coordinates as shape", free - n_x)
         } else {
@@ -248,7 +265,7 @@ fn count(problem: &Problem<'_>) -> Option<Finding> {
         );
     }
     let n_s = n - n_x;
-    (n_s == 0 || n_s % n_x != 0).then(|| {
+    (n_s == 0 || !n_s.is_multiple_of(n_x)).then(|| {
         Finding::new(
             codes::P0601,
             'a',

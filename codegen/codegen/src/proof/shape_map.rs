@@ -4,7 +4,7 @@
 use super::certificate::{Condition, Evidence, RangeClaim, SetGain, ShapeMap};
 use super::conditions::coordinate_span;
 use super::finding::Finding;
-use super::linear::{product, solve};
+use super::linear::{identity, product, solve, transpose};
 use super::problem::{Problem, determinant, gram};
 use super::range;
 use shapebot_model_dsl::codes;
@@ -28,7 +28,7 @@ pub(super) fn examine(problem: &mut Problem<'_>) -> Examined {
     let at_zero = problem.matrix_at_origin(&coupling);
     if problem.graph.singular().is_some() {
         out.findings.push(irregular(problem));
-        out.conditions = ['c', 'd', 'e'].map(|l| not_examined(l)).into();
+        out.conditions = ['c', 'd', 'e'].map(not_examined).into();
         return out;
     }
     let full = determinant(&mut problem.graph, &coupling);
@@ -43,7 +43,8 @@ pub(super) fn examine(problem: &mut Problem<'_>) -> Examined {
     let unbalanced = equilibrium(problem);
     out.conditions.push(Condition {
         letter: 'd',
-        statement: "the origin is an equilibrium of the unactuated equations: G_u(0) = 0".to_owned(),
+        statement: "the origin is an equilibrium of the unactuated equations: G_u(0) = 0"
+            .to_owned(),
         evidence: if unbalanced.is_none() { Evidence::Exact } else { Evidence::Fails },
     });
     let blocked = singular.is_some() || unbalanced.is_some();
@@ -81,7 +82,7 @@ fn irregular(problem: &Problem<'_>) -> Finding {
 }
 
 fn invertible(problem: &Problem<'_>, at_origin: Id, at_zero: bool, in_range: bool) -> Condition {
-    let exact = matches!(problem.graph.as_constant(at_origin), Some(_));
+    let exact = problem.graph.as_constant(at_origin).is_some();
     let evidence = match (at_zero && in_range, exact) {
         (false, _) => Evidence::Fails,
         (true, true) => Evidence::Exact,
@@ -92,7 +93,11 @@ fn invertible(problem: &Problem<'_>, at_origin: Id, at_zero: bool, in_range: boo
 }
 
 /// P0604: det M_{u,x}(0) = 0, identically or at the model's values.
-fn singular_at_origin(problem: &Problem<'_>, at_zero: &[Vec<Id>], at_origin: Id) -> Option<Finding> {
+fn singular_at_origin(
+    problem: &Problem<'_>,
+    at_zero: &[Vec<Id>],
+    at_origin: Id,
+) -> Option<Finding> {
     if problem.surely_nonzero(at_origin) {
         return None;
     }
@@ -104,13 +109,21 @@ fn singular_at_origin(problem: &Problem<'_>, at_zero: &[Vec<Id>], at_origin: Id)
     let (place, label) = match (empty_column, empty_row) {
         (Some(x), _) => (
             x,
-            format!("the acceleration of `{}` enters no unactuated equation at the origin", problem.name(x)),
+            format!(
+                "the acceleration of `{}` enters no unactuated equation at the origin",
+                problem.name(x)
+            ),
         ),
         (None, Some(r)) => (
             rows[r],
-            format!("the equation of `{}` contains no position acceleration at the origin", problem.name(rows[r])),
+            format!(
+                "the equation of `{}` contains no position acceleration at the origin",
+                problem.name(rows[r])
+            ),
         ),
-        (None, None) => (0, "the accelerations of the position variables cannot be told apart".to_owned()),
+        (None, None) => {
+            (0, "the accelerations of the position variables cannot be told apart".to_owned())
+        }
     };
     let whose = if always { "for all parameter values" } else { "at the model's parameter values" };
     Some(
@@ -128,7 +141,8 @@ fn singular_at_origin(problem: &Problem<'_>, at_zero: &[Vec<Id>], at_origin: Id)
 
 /// P0605: G_u(0) is not zero for all parameter values.
 fn equilibrium(problem: &mut Problem<'_>) -> Option<Finding> {
-    let gravity: Vec<Id> = problem.unactuated.iter().map(|&u| problem.equations.gravity[u]).collect();
+    let gravity: Vec<Id> =
+        problem.unactuated.iter().map(|&u| problem.equations.gravity[u]).collect();
     let at_zero = problem.at_origin(&gravity);
     let worst = at_zero.iter().position(|&g| !problem.graph.is_zero(g))?;
     let u = problem.unactuated[worst];
@@ -171,7 +185,8 @@ fn gain(
     let square = gram(&mut problem.graph, &stiffness);
     let rank = determinant(&mut problem.graph, &square);
     let full = problem.surely_nonzero(rank);
-    let statement = "K0_qs has full row rank: every acceleration is reached from some shape".to_owned();
+    let statement =
+        "K0_qs has full row rank: every acceleration is reached from some shape".to_owned();
     let evidence = if full { Evidence::AtModelValues } else { Evidence::Fails };
     out.conditions.push(Condition { letter: 'e', statement, evidence });
     if !full {
@@ -212,8 +227,11 @@ pub(super) fn stiffness(problem: &mut Problem<'_>, columns: &[usize]) -> Vec<Vec
 fn rank_deficient(problem: &Problem<'_>, stiffness: &[Vec<Id>], rank: Id) -> Finding {
     let zero_row = stiffness.iter().position(|row| row.iter().all(|&id| problem.graph.is_zero(id)));
     let place = zero_row.map_or(0, |r| problem.unactuated[r]);
-    let whose =
-        if problem.graph.is_zero(rank) { "for all parameter values" } else { "at the model's values" };
+    let whose = if problem.graph.is_zero(rank) {
+        "for all parameter values"
+    } else {
+        "at the model's values"
+    };
     let label = match zero_row {
         Some(_) => format!("gravity (or a spring) puts nothing into the equation of `{}` when the shape changes", problem.name(place)),
         None => "the unactuated equations feel the shape in fewer directions than there are position variables".to_owned(),
@@ -231,7 +249,8 @@ fn rank_deficient(problem: &Problem<'_>, stiffness: &[Vec<Id>], rank: Id) -> Fin
 
 fn set_gains(problem: &mut Problem<'_>, stiffness: &[Vec<Id>]) -> Vec<SetGain> {
     let n_x = problem.n_x();
-    let sets: Vec<_> = problem.model.sets.iter().filter(|s| s.role == Role::Shape).cloned().collect();
+    let sets: Vec<_> =
+        problem.model.sets.iter().filter(|s| s.role == Role::Shape).cloned().collect();
     let mut gains = Vec::new();
     for set in sets {
         let columns: Vec<usize> = set.coordinates.iter().map(|c| c.0 as usize - n_x).collect();
@@ -254,7 +273,10 @@ fn weak_set(problem: &Problem<'_>, set: &SetGain) -> Finding {
     let label = if set.size == n_x {
         "its block of K0_qs is singular".to_owned()
     } else {
-        format!("its block of K0_qs is not square: {} coordinates for {n_x} position variables", set.size)
+        format!(
+            "its block of K0_qs is not square: {} coordinates for {n_x} position variables",
+            set.size
+        )
     };
     Finding::new(
         codes::P0612,
@@ -266,12 +288,13 @@ fn weak_set(problem: &Problem<'_>, set: &SetGain) -> Finding {
     .note("weights that let only this set move (Eqs. 24-30) have no solution; with other sets it still helps")
 }
 
-/// τ² = M_{u,x}⁻¹ M_{u,s} K⁰_qx with K⁰_qx the minimum-norm inverse through some shape variables.
+/// ẍ = u − τ² ü near the origin, q_s = K⁰_qx u with K⁰_qx the minimum-norm inverse (Eq. 24, W = 1)
+/// through some shape variables: τ² of the position variables and of the output.
 pub(super) fn time_constants(
     problem: &mut Problem<'_>,
     gain: &[Vec<f64>],
     through: &[usize],
-) -> Option<Vec<Vec<f64>>> {
+) -> Option<[Vec<Vec<f64>>; 2]> {
     let n_x = problem.n_x();
     let rows = problem.unactuated.clone();
     let positions: Vec<usize> = (0..n_x).collect();
@@ -280,10 +303,25 @@ pub(super) fn time_constants(
     let (mx, ms) = (problem.numeric(&mx), problem.numeric(&ms));
     let k: Vec<Vec<f64>> =
         gain.iter().map(|row| through.iter().map(|&s| row[s - n_x]).collect()).collect();
-    let kt = super::linear::transpose(&k);
-    let square = product(&k, &kt);
-    let identity: Vec<Vec<f64>> =
-        (0..n_x).map(|i| (0..n_x).map(|j| f64::from(u8::from(i == j))).collect()).collect();
-    let inverse = product(&kt, &solve(&square, &identity)?);
-    solve(&mx, &product(&ms, &inverse))
+    let kt = transpose(&k);
+    let inverse = product(&kt, &solve(&product(&k, &kt), &identity(n_x))?);
+    let constants = solve(&mx, &product(&ms, &inverse))?;
+    // h moves with the shape as well: ∂h/∂q_x (u − τ² ü) + ∂h/∂q_s K⁰_qx ü.
+    let (hx, hs) = (output_slopes(problem, &positions), output_slopes(problem, through));
+    let along = solve(&hx, &product(&hs, &inverse))?;
+    let of_output = constants
+        .iter()
+        .zip(&along)
+        .map(|(row, part)| row.iter().zip(part).map(|(a, b)| a - b).collect())
+        .collect();
+    Some([constants, of_output])
+}
+
+/// Columns of ∂h/∂q at the origin.
+fn output_slopes(problem: &mut Problem<'_>, columns: &[usize]) -> Vec<Vec<f64>> {
+    let entries = problem.equations.output.clone();
+    let slopes: Vec<Vec<Id>> =
+        entries.iter().map(|&h| columns.iter().map(|&c| problem.by_q(c, h)).collect()).collect();
+    let slopes = problem.matrix_at_origin(&slopes);
+    problem.numeric(&slopes)
 }

@@ -1,6 +1,8 @@
 //! The certificate as plain text, for the tool's output and generated documentation.
 
-use super::certificate::{Certificate, Class, Integrability, Linearisation, RangeClaim, Root, ShapeMap};
+use super::certificate::{
+    Certificate, Class, Integrability, Linearisation, RangeClaim, Root, ShapeMap,
+};
 use std::fmt::Write as _;
 
 impl Certificate {
@@ -57,8 +59,11 @@ impl Certificate {
 
     fn roles(&self, out: &mut String) {
         let name = |i: &usize| self.coordinates[*i].clone();
-        let driven: Vec<String> =
-            self.actuated.iter().map(|(i, actuator)| format!("{} by {actuator}", name(i))).collect();
+        let driven: Vec<String> = self
+            .actuated
+            .iter()
+            .map(|(i, actuator)| format!("{} by {actuator}", name(i)))
+            .collect();
         let free: Vec<String> = self.unactuated.iter().map(name).collect();
         line(out, &format!("  actuated:   {}", or_none(&driven.join(", "))));
         line(out, &format!("  unactuated: {}", or_none(&free.join(", "))));
@@ -80,7 +85,8 @@ impl Certificate {
             line(out, &format!("  outside Eqs. 3-5: {}", self.strict.departures.join("; ")));
         }
         for position in &self.positions {
-            let yes = |flag: bool, word: &str| if flag { word.to_owned() } else { format!("not {word}") };
+            let yes =
+                |flag: bool, word: &str| if flag { word.to_owned() } else { format!("not {word}") };
             let observer = if position.momentum_observer {
                 ": dp/dt = torque + disturbance, a momentum observer needs no accelerations"
             } else {
@@ -127,12 +133,17 @@ impl RangeClaim {
     #[must_use]
     pub fn describe(&self) -> String {
         let point = |at: &[(String, f64)]| {
-            at.iter().map(|(name, value)| format!("{name} = {}", number(*value))).collect::<Vec<_>>().join(", ")
+            at.iter()
+                .map(|(name, value)| format!("{name} = {}", number(*value)))
+                .collect::<Vec<_>>()
+                .join(", ")
         };
         match self {
             Self::Proved { boxes } => format!("proved by interval subdivision, {boxes} box(es)"),
             Self::SampledOnly { samples } => {
-                format!("sampled only: holds at {samples} points, the budget of the subdivision ran out")
+                format!(
+                    "sampled only: holds at {samples} points, the budget of the subdivision ran out"
+                )
             }
             Self::Undecided { at } => format!("undecided; nearest to failing at {}", point(at)),
             Self::Fails { at } => format!("fails at {}", point(at)),
@@ -174,7 +185,10 @@ fn integrability_text(integrability: &Integrability, out: &mut String) {
     for row in &integrability.rows {
         let name = &row.coordinate;
         if row.partially_integrable() {
-            line(out, &format!("  {name}: partially integrable: constant gravity term, M free of {name}"));
+            line(
+                out,
+                &format!("  {name}: partially integrable: constant gravity term, M free of {name}"),
+            );
             continue;
         }
         let mut why = Vec::new();
@@ -187,8 +201,12 @@ fn integrability_text(integrability: &Integrability, out: &mut String) {
         line(out, &format!("  {name}: not even partially integrable: {}", why.join(", ")));
     }
     match integrability.involutive {
-        Some(true) => line(out, "  all are, and the distribution is involutive: completely integrable"),
-        Some(false) => line(out, "  all are, but the distribution is not involutive: first-order nonholonomic"),
+        Some(true) => {
+            line(out, "  all are, and the distribution is involutive: completely integrable")
+        }
+        Some(false) => {
+            line(out, "  all are, but the distribution is not involutive: first-order nonholonomic")
+        }
         None => {}
     }
 }
@@ -200,14 +218,29 @@ fn linear_text(linear: &Linearisation, out: &mut String) {
     if linear.time_constants.is_empty() {
         return;
     }
-    let rows: Vec<String> = linear
-        .time_constants
-        .iter()
-        .map(|row| row.iter().map(|v| number(*v)).collect::<Vec<_>>().join(", "))
-        .collect();
+    let matrix = |rows: &[Vec<f64>]| {
+        let row = |row: &Vec<f64>| row.iter().map(|v| number(*v)).collect::<Vec<_>>().join(", ");
+        rows.iter().map(row).collect::<Vec<_>>().join("; ")
+    };
     let through = linear.through.join(", ");
-    line(out, &format!("  q_x'' = u - T u'' with q_s = K0_qx u through {through}: T = [{}] s^2", rows.join("; ")));
-    line(out, &format!("  zeros of that response:           {}", or_none(&roots(&linear.zeros))));
+    line(out, &format!("  q_s = K0_qx u through {through}, equal weights:"));
+    let (own, output) = (&linear.time_constants, &linear.output_time_constants);
+    line(
+        out,
+        &format!(
+            "  q_x'' = u - T u'', T = [{}] s^2, zeros {}",
+            matrix(own),
+            or_none(&roots(&linear.zeros))
+        ),
+    );
+    line(
+        out,
+        &format!(
+            "  output the same with T = [{}] s^2, zeros {}",
+            matrix(output),
+            or_none(&roots(&linear.output_zeros))
+        ),
+    );
 }
 
 /// Roots, equal ones counted: `±2.75`, `0 (twice)`.
@@ -217,7 +250,12 @@ fn roots(list: &[Root]) -> String {
         let text = match (root.re == 0.0, root.im == 0.0) {
             (_, true) => number(root.re),
             (true, false) => format!("{}i", number(root.im)),
-            _ => format!("{}{}{}i", number(root.re), if root.im < 0.0 { "" } else { "+" }, number(root.im)),
+            _ => format!(
+                "{}{}{}i",
+                number(root.re),
+                if root.im < 0.0 { "" } else { "+" },
+                number(root.im)
+            ),
         };
         match shown.iter_mut().find(|(known, _)| *known == text) {
             Some((_, count)) => *count += 1,
@@ -231,7 +269,7 @@ fn roots(list: &[Root]) -> String {
 }
 
 /// Five significant digits.
-pub(crate) fn number(value: f64) -> String {
+fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }

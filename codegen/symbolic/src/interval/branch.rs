@@ -186,7 +186,10 @@ mod tests {
         let mut graph = Graph::new();
         let x = graph.symbol(angle(0));
         let cosine = graph.cos(x);
-        assert!(matches!(prove_nonzero(&graph, cosine, &boxes(&[1.5]), 1000), Verdict::Proved { .. }));
+        assert!(matches!(
+            prove_nonzero(&graph, cosine, &boxes(&[1.5]), 1000),
+            Verdict::Proved { .. }
+        ));
         let Verdict::Refuted { point } = prove_nonzero(&graph, cosine, &boxes(&[2.0]), 1000) else {
             panic!("cos changes sign before 2 rad")
         };
@@ -232,7 +235,8 @@ mod tests {
         let sum = graph.add(sine, root);
         let value = graph.div(sum, root);
         let tape = Tape::new(&graph, &[value]);
-        let point: Vec<f64> = tape.inputs().iter().map(|s| if *s == angle(0) { 0.3 } else { 0.7 }).collect();
+        let point: Vec<f64> =
+            tape.inputs().iter().map(|s| if *s == angle(0) { 0.3 } else { 0.7 }).collect();
         let exact: Vec<Interval> = point.iter().map(|&x| Interval::point(x)).collect();
         let (_, slopes) = tape.with_slopes(&exact);
         for i in 0..2 {

@@ -50,7 +50,9 @@ impl<'a> Expander<'a> {
     }
 
     fn value(&mut self, id: Id) -> Option<Polynomial> {
-        if let Some(coefficient) = fixed_image(self.source, &mut self.coefficients, &self.fixed, id) {
+        if let Some(coefficient) =
+            fixed_image(self.source, &mut self.coefficients, |x| self.fixed.get(&x).copied(), id)
+        {
             self.fixed.insert(id, coefficient);
             let zero = self.coefficients.is_zero(coefficient);
             return Some(if zero { Vec::new() } else { vec![(Monomial::ONE, coefficient)] });
@@ -149,13 +151,18 @@ impl<'a> Expander<'a> {
 }
 
 /// The image of a value of parameters alone in the graph of coefficients, `None` for any other value.
-/// `known` holds the images of the operands that have one.
-pub(crate) fn fixed_image(source: &Graph, target: &mut Graph, known: &HashMap<Id, Id>, id: Id) -> Option<Id> {
+/// `known` gives the images of the operands that have one.
+pub(crate) fn fixed_image(
+    source: &Graph,
+    target: &mut Graph,
+    known: impl Fn(Id) -> Option<Id>,
+    id: Id,
+) -> Option<Id> {
     let node = source.node(id);
     if matches!(node, Node::Symbol(symbol) if !matches!(symbol, crate::Symbol::Parameter(_))) {
         return None;
     }
-    let [a, b] = node.operands().map(|operand| operand.map(|x| known.get(&x).copied()));
+    let [a, b] = node.operands().map(|operand| operand.map(&known));
     if a == Some(None) || b == Some(None) {
         return None;
     }

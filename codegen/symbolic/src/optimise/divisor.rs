@@ -1,10 +1,10 @@
 //! What can be extracted: pairs of terms and pairs of factors, found by key.
 
-use super::system::{System, Variable, hash_of, mix, multiplications};
+use super::system::{KeyHasher, System, Variable, hash_of, mix, multiplications};
 use crate::Id;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
-use std::hash::{BuildHasherDefault, Hasher};
+use std::hash::BuildHasherDefault;
 
 /// A part that occurs, perhaps several times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,20 +30,6 @@ pub(super) struct Divisor {
     queued: i32,
 }
 
-/// Keys are mixed already.
-#[derive(Clone, Copy, Debug, Default)]
-struct KeyHasher(u64);
-
-impl Hasher for KeyHasher {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-    fn write(&mut self, _: &[u8]) {}
-    fn write_u64(&mut self, value: u64) {
-        self.0 = value;
-    }
-}
-
 /// How parts of equal promise are ordered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Order {
@@ -61,11 +47,25 @@ pub(super) struct Divisors {
     /// Weighted saving, tie-breaker, part, saving.
     heap: BinaryHeap<(i32, u64, Reverse<u32>, i32)>,
     order: Order,
+    /// Whether everything is still being noted and nothing is queued yet.
+    collecting: bool,
 }
 
 impl Divisors {
     pub(super) fn new(order: Order) -> Self {
-        Self { all: Vec::new(), by_key: HashMap::default(), heap: BinaryHeap::new(), order }
+        let (all, by_key, heap) = (Vec::new(), HashMap::default(), BinaryHeap::new());
+        Self { all, by_key, heap, order, collecting: true }
+    }
+
+    /// Queues what has been noted so far, and from now on whatever is noted.
+    pub(super) fn start(&mut self) {
+        self.collecting = false;
+        for index in 0..self.all.len() {
+            let bound = self.all[index].bound;
+            if bound > 0 {
+                self.queue(index as u32, bound);
+            }
+        }
     }
 
     /// Notes the products in a term.
@@ -120,7 +120,7 @@ impl Divisors {
         let divisor = &mut self.all[index as usize];
         divisor.occurrences.push(place);
         divisor.bound += worth;
-        if divisor.bound > divisor.queued {
+        if divisor.bound > divisor.queued && !self.collecting {
             let bound = divisor.bound;
             self.queue(index, bound);
         }

@@ -19,6 +19,7 @@ const SCALES: usize = 4;
 pub(super) fn extract(system: System, order: Order) -> System {
     let mut extractor = Extractor { system, divisors: Divisors::new(order), stamps: Vec::new(), stamp: 0 };
     extractor.note_all();
+    extractor.divisors.start();
     while let Some((index, queued)) = extractor.divisors.pop() {
         extractor.consider(index, queued);
     }

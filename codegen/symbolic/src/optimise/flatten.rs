@@ -35,34 +35,35 @@ enum Form {
 /// Takes the values apart.
 pub(super) fn flatten(graph: &Graph, ids: &[Id], policy: Policy) -> System {
     let order = crate::needed(graph, ids, |_| false);
+    let size = order.last().map_or(0, |id| id.index() + 1);
     let mut flattener = Flattener {
         graph,
         policy,
         uses: uses(graph, &order, ids),
+        fixed: vec![None; size],
+        forms: (0..size).map(|_| None).collect(),
         system: System::new(Graph::new()),
-        fixed: HashMap::new(),
-        forms: HashMap::new(),
     };
     for &id in &order {
         let form = flattener.form(id);
-        flattener.forms.insert(id, form);
+        flattener.forms[id.index()] = Some(form);
     }
     flattener.finish(ids)
 }
 
 /// How often each value is an operand or wanted; signs are looked through.
-fn uses(graph: &Graph, order: &[Id], ids: &[Id]) -> HashMap<Id, u32> {
-    let mut uses: HashMap<Id, u32> = HashMap::new();
+fn uses(graph: &Graph, order: &[Id], ids: &[Id]) -> Vec<u32> {
+    let mut uses = vec![0; order.last().map_or(0, |id| id.index() + 1)];
     for &id in ids {
-        *uses.entry(id).or_default() += 1;
+        uses[id.index()] += 1;
     }
     for &id in order.iter().rev() {
         let own = match graph.node(id) {
-            Node::Neg(_) => uses.get(&id).copied().unwrap_or(0),
+            Node::Neg(_) => uses[id.index()],
             _ => 1,
         };
         for operand in graph.node(id).operands().into_iter().flatten() {
-            *uses.entry(operand).or_default() += own;
+            uses[operand.index()] += own;
         }
     }
     uses
@@ -71,16 +72,19 @@ fn uses(graph: &Graph, order: &[Id], ids: &[Id]) -> HashMap<Id, u32> {
 struct Flattener<'a> {
     graph: &'a Graph,
     policy: Policy,
-    uses: HashMap<Id, u32>,
+    // By index of the value:
+    uses: Vec<u32>,
+    fixed: Vec<Option<Id>>,
+    forms: Vec<Option<Form>>,
     system: System,
-    fixed: HashMap<Id, Id>,
-    forms: HashMap<Id, Form>,
 }
 
 impl Flattener<'_> {
     fn form(&mut self, id: Id) -> Form {
-        if let Some(coefficient) = fixed_image(self.graph, &mut self.system.coefficients, &self.fixed, id) {
-            self.fixed.insert(id, coefficient);
+        if let Some(coefficient) =
+            fixed_image(self.graph, &mut self.system.coefficients, |x| self.fixed[x.index()], id)
+        {
+            self.fixed[id.index()] = Some(coefficient);
             return Form::Fixed;
         }
         match *self.graph.node(id) {
@@ -91,9 +95,9 @@ impl Flattener<'_> {
                 self.close(id, terms)
             }
             Node::Mul(a, b) => self.product(id, a, b),
-            Node::Div(a, b) if self.fixed.contains_key(&b) => {
+            Node::Div(a, b) if let Some(divisor) = self.fixed[b.index()] => {
                 let one = self.system.one();
-                let inverse = self.system.coefficients.div(one, self.fixed[&b]);
+                let inverse = self.system.coefficients.div(one, divisor);
                 let terms = self.distributed((inverse, Vec::new()), a, usize::MAX);
                 self.close(id, terms)
             }
@@ -140,12 +144,12 @@ impl Flattener<'_> {
     }
 
     fn is_sum(&self, id: Id) -> bool {
-        matches!(self.forms.get(&id), Some(Form::Open(_)))
+        matches!(&self.forms[id.index()], Some(Form::Open(_)))
     }
 
     /// A factor times a sum, over which it is distributed if that has few enough terms.
     fn distributed(&mut self, factor: (Id, Vec<Variable>), sum: Id, limit: usize) -> Terms {
-        let few = matches!(self.forms.get(&sum), Some(Form::Open(terms)) if terms.len() <= limit);
+        let few = matches!(&self.forms[sum.index()], Some(Form::Open(terms)) if terms.len() <= limit);
         if few {
             let terms = self.addends(sum, false);
             return terms.iter().map(|term| self.times(&factor, term)).collect();
@@ -163,7 +167,7 @@ impl Flattener<'_> {
 
     /// Keeps what is shared as a variable.
     fn close(&mut self, id: Id, mut terms: Terms) -> Form {
-        let shared = self.uses.get(&id).copied().unwrap_or(0) > 1;
+        let shared = self.uses[id.index()] > 1;
         match terms.len() {
             1 => {
                 let (coefficient, factors) = terms.remove(0);
@@ -183,7 +187,7 @@ impl Flattener<'_> {
 
     /// A value as terms of the sum that uses it.
     fn addends(&mut self, id: Id, minus: bool) -> Terms {
-        let mut terms = match self.forms.get_mut(&id) {
+        let mut terms = match &mut self.forms[id.index()] {
             Some(Form::Open(terms)) => std::mem::take(terms),
             Some(Form::Shared(_, copied)) if !copied.is_empty() => copied.clone(),
             _ => vec![self.factor(id)],
@@ -199,16 +203,16 @@ impl Flattener<'_> {
     /// A value as one term.
     fn factor(&mut self, id: Id) -> (Id, Vec<Variable>) {
         let one = self.system.one();
-        match self.forms.get_mut(&id) {
+        match &mut self.forms[id.index()] {
             Some(Form::Single(coefficient, factors)) => (*coefficient, factors.clone()),
             Some(Form::Shared(variable, _)) => (one, vec![*variable]),
             Some(Form::Open(terms)) => {
                 let terms = std::mem::take(terms);
                 let variable = self.system.sum(terms);
-                self.forms.insert(id, Form::Shared(variable, Vec::new()));
+                self.forms[id.index()] = Some(Form::Shared(variable, Vec::new()));
                 (one, vec![variable])
             }
-            Some(Form::Fixed) | None => (self.fixed[&id], Vec::new()),
+            Some(Form::Fixed) | None => (self.fixed[id.index()].unwrap_or(one), Vec::new()),
         }
     }
 
@@ -236,7 +240,7 @@ impl Flattener<'_> {
     }
 
     fn root(&mut self, id: Id) -> Variable {
-        if let Some(Form::Shared(variable, _)) = self.forms.get(&id) {
+        if let Some(Form::Shared(variable, _)) = &self.forms[id.index()] {
             return *variable;
         }
         let terms = self.addends(id, false);

@@ -43,8 +43,11 @@ pub(crate) fn emit_polynomials(polynomials: &Polynomials) -> (Graph, Vec<Id>) {
 
 const PLAIN: Policy = Policy { distribute: 0, copy: 0, factors: 6 };
 const OPEN: Policy = Policy { distribute: 4, copy: 3, factors: 6 };
-const POLICIES: [Policy; 3] =
-    [Policy { distribute: 3, copy: 0, factors: 6 }, Policy { distribute: 0, copy: 3, factors: 2 }, OPEN];
+const POLICIES: [Policy; 3] = [
+    Policy { distribute: 20, copy: 0, factors: 6 },
+    Policy { distribute: 0, copy: 3, factors: 2 },
+    Policy { distribute: 2, copy: 0, factors: 2 },
+];
 const EVEN: Order = Order { product_weight: 8, seed: 0 };
 const SUMS_FIRST: Order = Order { product_weight: 4, seed: 0 };
 const ORDERS: [Order; 3] = [SUMS_FIRST, EVEN, Order { product_weight: 10, seed: 2 }];
@@ -103,7 +106,12 @@ impl<'a> Search<'a> {
     }
 
     fn try_normal_form(&mut self) {
-        let Some(polynomials) = expand(self.source, self.wanted, 100 + 2 * self.cost.0) else { return };
+        let flops = count(&self.graph, &self.ids).flops();
+        let Some(polynomials) = expand(self.source, self.wanted, 100 + 3 * flops) else { return };
+        // A term costs about one operation in the end.
+        if polynomials.terms() > flops + flops / 4 + 10 {
+            return;
+        }
         let system = emit::from_polynomials(&polynomials);
         for order in ORDERS {
             self.offer(emit::emit(&extract::extract(system.clone(), order)));

@@ -3,6 +3,7 @@
 use crate::field::Residue;
 use crate::{Graph, Id, Node};
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 /// Number of a variable.
 pub(super) type Variable = u32;
@@ -53,7 +54,7 @@ pub(super) struct System {
     minus_one: Id,
     /// Residue and its inverse, of coefficients by index.
     residues: Vec<Option<[Residue; 2]>>,
-    ratios: HashMap<(Id, Id), Option<Id>>,
+    ratios: HashMap<u64, Option<Id>, BuildHasherDefault<KeyHasher>>,
 }
 
 impl System {
@@ -68,7 +69,7 @@ impl System {
             roots: Vec::new(),
             minus_one,
             residues: Vec::new(),
-            ratios: HashMap::new(),
+            ratios: HashMap::default(),
         }
     }
 
@@ -175,14 +176,15 @@ impl System {
         if a == b {
             return Some(self.one());
         }
-        if let Some(&known) = self.ratios.get(&(a, b)) {
+        let key = mix((a.index() as u64) << 32 | b.index() as u64);
+        if let Some(&known) = self.ratios.get(&key) {
             return known;
         }
         let ratio = self.coefficients.div(a, b);
         let divisor_is_number = self.coefficients.as_constant(b).is_some();
         let safe = divisor_is_number || self.coefficients.as_constant(ratio).is_some();
         let ratio = safe.then_some(ratio);
-        self.ratios.insert((a, b), ratio);
+        self.ratios.insert(key, ratio);
         ratio
     }
 }
@@ -198,4 +200,18 @@ pub(super) const fn mix(input: u64) -> u64 {
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
+}
+
+/// Keys are mixed already.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct KeyHasher(u64);
+
+impl Hasher for KeyHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+    fn write(&mut self, _: &[u8]) {}
+    fn write_u64(&mut self, value: u64) {
+        self.0 = value;
+    }
 }

@@ -3,17 +3,17 @@
 use crate::args::{DeriveArgs, Format};
 use crate::failure::Outcome;
 use crate::robot;
-use shapebot_codegen::derive::Parameters;
 use shapebot_codegen::equations::{to_json, to_latex, to_text};
 use std::io::Write;
 
 pub(crate) fn run(args: &DeriveArgs) -> Outcome {
     let text = robot::open(&args.robot)?.text()?;
-    let derivation = robot::derive(&text, Parameters::Symbolic)?;
+    let (model, equations, certificate) = robot::prove(&text)?;
+    let subject = (&model, &equations, &certificate);
     let printed = match args.format {
-        Format::Text => to_text(&derivation),
-        Format::Latex => to_latex(&derivation),
-        Format::Json => to_json(&derivation),
+        Format::Text => to_text(subject),
+        Format::Latex => to_latex(subject),
+        Format::Json => to_json(subject),
     };
     let mut stdout = anstream::stdout().lock();
     writeln!(stdout, "{}", printed.trim_end())?;

@@ -17,10 +17,8 @@ pub(crate) fn run(args: &PlanArgs) -> Outcome {
     let mut stdout = anstream::stdout().lock();
     let title = format!("{}: {}", motion.description.name, describe(&task, &motion));
     write_summary(&mut stdout, &title, &motion)?;
-    let files = [
-        (&args.csv, output::csv as fn(&PlannedMotion) -> String),
-        (&args.json, output::json),
-    ];
+    let files =
+        [(&args.csv, output::csv as fn(&PlannedMotion) -> String), (&args.json, output::json)];
     for (path, text) in files {
         if let Some(path) = path {
             output::write_file(path, &text(&motion))?;
@@ -62,7 +60,8 @@ fn describe(task: &PlanTask, motion: &PlannedMotion) -> String {
     let path = match &task.path {
         Path::Line { goal, degree } => {
             let goal: Vec<String> = goal.iter().map(f64::to_string).collect();
-            let goal = if goal.len() == 1 { goal.join("") } else { format!("({})", goal.join(", ")) };
+            let goal =
+                if goal.len() == 1 { goal.join("") } else { format!("({})", goal.join(", ")) };
             format!("line to {goal} {unit}, degree {degree}")
         }
         Path::Bezier { points } => format!("Bézier curve, {} control points", points.len()),
@@ -79,7 +78,8 @@ fn write_summary(to: &mut impl Write, title: &str, motion: &PlannedMotion) -> io
     line("RMSE", length(motion.output_rmse))?;
     line("largest error", length(motion.output_max_error))?;
     line("error at end", length(motion.output_end_error))?;
-    for (coordinate, peak) in motion.description.shape_coordinates().iter().zip(&motion.peak_shape) {
+    for (coordinate, peak) in motion.description.shape_coordinates().iter().zip(&motion.peak_shape)
+    {
         line(&format!("peak {}", coordinate.name), angle(coordinate, *peak))?;
     }
     if let Some(weights) = &motion.weights {

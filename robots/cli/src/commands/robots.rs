@@ -16,7 +16,8 @@ pub(crate) fn run() -> Outcome {
     for robot in bundled() {
         let dynamics = robot.dynamics(&[])?;
         let sizes = dynamics.sizes();
-        let class = if dynamics.is_shape_accelerated() { "shape-accelerated" } else { "Lagrangian" };
+        let class =
+            if dynamics.is_shape_accelerated() { "shape-accelerated" } else { "Lagrangian" };
         columns.push(vec![
             robot.name().to_owned(),
             sizes.all.to_string(),

@@ -4,7 +4,7 @@ use crate::failure::Outcome;
 use crate::output::{self, Align, Columns, number};
 use crate::planning::{Path as MotionPath, PlanTask, PlannedMotion, termination};
 use crate::plot;
-use crate::robot::{Bundled, bundled};
+use crate::robot::bundled;
 use indicatif::{ProgressBar, ProgressStyle};
 use shapebot_planner::Objective;
 use std::io::Write;
@@ -82,10 +82,10 @@ fn progress() -> ProgressBar {
 
 /// The plan of a row; nothing if its robot is not bundled.
 fn plan(row: &Row) -> Outcome<Option<PlannedMotion>> {
-    let Some(robot) = bundled().iter().find(|robot| robot.name() == row.robot) else {
+    let Some(robot) = bundled().find(|robot| robot.name() == row.robot) else {
         return Ok(None);
     };
-    let robot = Bundled::dynamics(robot, &[])?;
+    let robot = robot.dynamics(&[])?;
     let mut goal = vec![0.0; robot.sizes().position];
     if let Some(first) = goal.first_mut() {
         *first = DISTANCE;
@@ -125,7 +125,10 @@ fn write_table(planned: &[Option<PlannedMotion>]) -> Outcome {
         columns.push(cells(row, motion.as_ref()));
     }
     let mut stdout = anstream::stdout().lock();
-    writeln!(stdout, "Table II: {DISTANCE} m in {DURATION} s, degree {DEGREE}, {SAMPLES} samples\n")?;
+    writeln!(
+        stdout,
+        "Table II: {DISTANCE} m in {DURATION} s, degree {DEGREE}, {SAMPLES} samples\n"
+    )?;
     Ok(columns.write(&mut stdout)?)
 }
 
@@ -141,6 +144,7 @@ fn cells(row: &Row, motion: Option<&PlannedMotion>) -> Vec<String> {
         format!("{:.4}", row.paper.1),
         format!("{:.1} s", row.propt.0),
         format!("{:.4}", row.propt.1),
-        motion.map_or("not bundled".to_owned(), |motion| termination(motion.termination).to_owned()),
+        motion
+            .map_or("not bundled".to_owned(), |motion| termination(motion.termination).to_owned()),
     ]
 }

@@ -43,17 +43,19 @@ impl Columns {
 
     fn widths(&self) -> Vec<usize> {
         let width = |i: usize, title: &str| {
-            let cells = self.rows.iter().filter_map(|row| row.get(i)).map(|cell| cell.chars().count());
+            let cells =
+                self.rows.iter().filter_map(|row| row.get(i)).map(|cell| cell.chars().count());
             cells.chain([title.chars().count()]).max().unwrap_or(0)
         };
         self.head.iter().enumerate().map(|(i, (title, _))| width(i, title)).collect()
     }
 
     fn line<'a>(&self, cells: impl Iterator<Item = &'a str>, widths: &[usize]) -> String {
-        let cells = cells.zip(&self.head).zip(widths).map(|((cell, (_, align)), &width)| match align {
-            Align::Left => format!("{cell:<width$}"),
-            Align::Right => format!("{cell:>width$}"),
-        });
+        let cells =
+            cells.zip(&self.head).zip(widths).map(|((cell, (_, align)), &width)| match align {
+                Align::Left => format!("{cell:<width$}"),
+                Align::Right => format!("{cell:>width$}"),
+            });
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     }
 }

@@ -13,11 +13,15 @@ fn csv_head(motion: &PlannedMotion) -> Vec<String> {
     let robot = &motion.description;
     let mut head = vec!["time [s]".to_owned()];
     for kind in ["desired", "planned"] {
-        head.extend(robot.outputs.iter().map(|name| format!("{kind} {name} [{}]", robot.output_unit)));
+        head.extend(
+            robot.outputs.iter().map(|name| format!("{kind} {name} [{}]", robot.output_unit)),
+        );
     }
     for coordinates in [robot.position_coordinates(), robot.shape_coordinates()] {
         for (suffix, per) in [("", ""), (" rate", "/s"), (" acceleration", "/s^2")] {
-            head.extend(coordinates.iter().map(|c| format!("{}{suffix} [{}{per}]", c.name, c.unit)));
+            head.extend(
+                coordinates.iter().map(|c| format!("{}{suffix} [{}{per}]", c.name, c.unit)),
+            );
         }
     }
     head

@@ -22,7 +22,8 @@ pub(crate) fn plan<const NX: usize, const NS: usize>(
     match &task.path {
         Path::Line { goal, degree } => {
             let goal = point("line", goal, robot.shape_description())?;
-            let line = Line::new(SVector::zeros(), goal, task.duration, *degree).map_err(failure)?;
+            let line =
+                Line::new(SVector::zeros(), goal, task.duration, *degree).map_err(failure)?;
             plan_along(robot, &line, task)
         }
         Path::Bezier { points } => {
@@ -43,7 +44,9 @@ fn point<const NX: usize>(
     if entries.len() != NX {
         let (found, names) = (entries.len(), description.outputs.join(", "));
         let numbers = if found == 1 { "number" } else { "numbers" };
-        let message = format!("--{option} gives {found} {numbers} for a point, the robot's output has {NX}: {names}");
+        let message = format!(
+            "--{option} gives {found} {numbers} for a point, the robot's output has {NX}: {names}"
+        );
         return Err(Failure::usage(message));
     }
     Ok(SVector::from_fn(|i, _| entries[i]))
@@ -66,11 +69,11 @@ fn plan_along<const NX: usize, const NS: usize>(
     let start = Instant::now();
     let plan = shapebot_planner::plan(robot, &request).map_err(failure)?;
     let elapsed = start.elapsed();
-    let rows = plan.rows(robot, task.samples).map_err(failure)?.map(|row| Row::of(&row)).collect();
+    let rows = plan.rows(robot).map(|row| Row::of(&row)).collect();
     let report = *plan.report();
     Ok(PlannedMotion {
         description: *description,
-        weights: contributions,
+        weights: contributions.clone(),
         gain: rows_of(plan.gain()),
         initial_gain: rows_of(plan.initial_gain()),
         along: along(&plan),
@@ -116,7 +119,9 @@ fn rows_of<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> Vec<V
 /// A task that makes no sense is the user's mistake, a plan that does not work out is refused.
 fn failure(error: Error) -> Failure {
     match error {
-        Error::Invalid { .. } | Error::InvalidEntry { .. } | Error::Length { .. } => Failure::usage(error),
+        Error::Invalid { .. } | Error::InvalidEntry { .. } | Error::Length { .. } => {
+            Failure::usage(error)
+        }
         _ => Failure::refused(error),
     }
 }

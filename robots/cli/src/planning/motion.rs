@@ -57,7 +57,9 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    pub(crate) fn of<const NX: usize, const NS: usize>(row: &shapebot_planner::Row<f64, NX, NS>) -> Self {
+    pub(crate) fn of<const NX: usize, const NS: usize>(
+        row: &shapebot_planner::Row<f64, NX, NS>,
+    ) -> Self {
         let plan = &row.plan;
         let list = |values: &[f64]| values.to_vec();
         Self {
@@ -65,7 +67,8 @@ impl Row {
             desired: list(plan.desired.output[0].as_slice()),
             output: list(row.output.as_slice()),
             position: [&row.position, &row.velocity, &row.acceleration].map(|v| list(v.as_slice())),
-            shape: [&plan.shape, &plan.shape_velocity, &plan.shape_acceleration].map(|v| list(v.as_slice())),
+            shape: [&plan.shape, &plan.shape_velocity, &plan.shape_acceleration]
+                .map(|v| list(v.as_slice())),
         }
     }
 }

@@ -46,7 +46,11 @@ impl PlanTask {
         let mut contributions = vec![None; robot.shape_sets.len()];
         for (name, value) in &self.weights {
             let Some(i) = robot.shape_sets.iter().position(|set| set.name == name) else {
-                return Err(Failure::unknown("shape set", name, robot.shape_sets.iter().map(|s| s.name)));
+                return Err(Failure::unknown(
+                    "shape set",
+                    name,
+                    robot.shape_sets.iter().map(|s| s.name),
+                ));
             };
             if contributions[i].replace(*value).is_some() {
                 return Err(Failure::usage(format!("the weight of `{name}` is given twice")));

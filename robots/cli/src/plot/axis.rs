@@ -47,8 +47,8 @@ impl Axis {
 /// Smallest and largest value, some distance apart.
 fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let finite = values.filter(|value| value.is_finite());
-    let (lower, upper) =
-        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(lower, upper), v| (lower.min(v), upper.max(v)));
+    let (lower, upper) = finite
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lower, upper), v| (lower.min(v), upper.max(v)));
     if lower > upper {
         return (0.0, 1.0);
     }
@@ -92,7 +92,9 @@ mod tests {
 
     #[test]
     fn flat_empty_and_infinite_data_still_have_an_axis() {
-        for values in [vec![], vec![0.0], vec![3.0, 3.0], vec![f64::NAN, f64::INFINITY, 1.0], vec![1e-17]] {
+        for values in
+            [vec![], vec![0.0], vec![3.0, 3.0], vec![f64::NAN, f64::INFINITY, 1.0], vec![1e-17]]
+        {
             let axis = Axis::around(values.iter().copied(), 4);
             assert!(axis.upper > axis.lower);
             assert!((2..12).contains(&axis.ticks().len()));

@@ -112,7 +112,10 @@ impl Frame {
         let (right, bottom) = (WIDTH - RIGHT, self.top + PANEL);
         for (value, text) in self.value.ticks() {
             let y = self.y(value);
-            svg.line([LEFT, y, right, y], if value == 0.0 { "class=\"zero\"" } else { "class=\"grid\"" });
+            svg.line(
+                [LEFT, y, right, y],
+                if value == 0.0 { "class=\"zero\"" } else { "class=\"grid\"" },
+            );
             svg.text(LEFT - 8.0, y + 4.0, "text-anchor=\"end\"", &text);
         }
         for (time, text) in self.time.ticks() {
@@ -124,7 +127,12 @@ impl Frame {
         }
         svg.rectangle([LEFT, self.top, right - LEFT, PANEL]);
         if last {
-            svg.text(f64::midpoint(LEFT, right), bottom + 40.0, "text-anchor=\"middle\"", "time [s]");
+            svg.text(
+                f64::midpoint(LEFT, right),
+                bottom + 40.0,
+                "text-anchor=\"middle\"",
+                "time [s]",
+            );
         }
     }
 
@@ -137,7 +145,10 @@ impl Frame {
     fn draw_series(&self, svg: &mut Svg, times: &[f64], series: &Series) {
         let points = times.iter().zip(&series.values);
         let finite = points.filter(|(_, value)| value.is_finite());
-        svg.polyline(finite.map(|(&time, &value)| (self.x(time), self.y(value))), series.attributes());
+        svg.polyline(
+            finite.map(|(&time, &value)| (self.x(time), self.y(value))),
+            series.attributes(),
+        );
     }
 
     fn draw_legend(&self, svg: &mut Svg, panel: &Panel) {
@@ -185,7 +196,8 @@ impl Svg {
     // Writing to a string cannot fail.
     fn text(&mut self, x: f64, y: f64, attributes: &str, content: &str) {
         let content = escape(content);
-        let _ = writeln!(self.text, "<text x=\"{x:.1}\" y=\"{y:.1}\" {attributes}>{content}</text>");
+        let _ =
+            writeln!(self.text, "<text x=\"{x:.1}\" y=\"{y:.1}\" {attributes}>{content}</text>");
     }
 
     fn line(&mut self, [x1, y1, x2, y2]: [f64; 4], attributes: &str) {
@@ -226,7 +238,12 @@ mod tests {
 
     #[test]
     fn a_figure_is_closed_and_escaped() {
-        let series = Series { name: "a<b".into(), color: 9, stroke: Stroke::Dashed, values: vec![0.0, f64::NAN] };
+        let series = Series {
+            name: "a<b".into(),
+            color: 9,
+            stroke: Stroke::Dashed,
+            values: vec![0.0, f64::NAN],
+        };
         let panel = Panel { label: "x & y".into(), series: vec![series] };
         let figure = Figure {
             title: "t".into(),

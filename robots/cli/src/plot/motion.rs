@@ -36,8 +36,12 @@ fn series(
 fn output_panel(motion: &PlannedMotion) -> Panel {
     let lines = motion.description.outputs.iter().enumerate().flat_map(|(i, name)| {
         [
-            series(&motion.rows, format!("{name} planned"), i, Stroke::Solid, move |row| row.output[i]),
-            series(&motion.rows, format!("{name} desired"), i + 3, Stroke::Dashed, move |row| row.desired[i]),
+            series(&motion.rows, format!("{name} planned"), i, Stroke::Solid, move |row| {
+                row.output[i]
+            }),
+            series(&motion.rows, format!("{name} desired"), i + 3, Stroke::Dashed, move |row| {
+                row.desired[i]
+            }),
         ]
     });
     Panel { label: format!("output [{}]", motion.description.output_unit), series: lines.collect() }
@@ -78,5 +82,9 @@ fn shape_panels(motion: &PlannedMotion) -> Vec<Panel> {
 }
 
 fn shown(coordinate: &Coordinate) -> (&'static str, f64) {
-    if coordinate.unit == "rad" { ("deg", 180.0 / std::f64::consts::PI) } else { (coordinate.unit, 1.0) }
+    if coordinate.unit == "rad" {
+        ("deg", 180.0 / std::f64::consts::PI)
+    } else {
+        (coordinate.unit, 1.0)
+    }
 }

@@ -1,24 +1,41 @@
 //! Model files through the interpreter.
 
-use super::{Dynamics, ModelText, derive, parameters};
+use super::{Dynamics, ModelText, derive};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::{Failure, Outcome};
 use crate::planning::{self, PlanTask, PlannedMotion};
-use shapebot_codegen::derive::{Parameters, Quantity};
+use shapebot_codegen::derive::{Derivation, Parameters, Quantity};
 use shapebot_dynamics::Description;
-use shapebot_interpreter::{Error, Tapes, with_interpreted};
+use shapebot_interpreter::{Error, Tapes, check_parameters, with_interpreted};
+use shapebot_model_dsl::model::Parameter;
 use std::cell::RefCell;
 
 /// Reads, derives and compiles a model to tapes.
 pub(crate) fn open(text: &ModelText, set: &[(String, f64)]) -> Outcome<Box<dyn Dynamics>> {
     let derivation = derive(text, Parameters::Symbolic)?;
-    let declared = Tapes::<f64>::with_model_parameters(&derivation);
-    if set.is_empty() {
-        return Ok(Box::new(Interpreted::new(declared)));
-    }
-    let values = parameters::values(declared.description().parameters, set)?;
-    let tapes = Tapes::new(&derivation, &values).map_err(Failure::refused)?;
+    let values = parameter_values(&derivation, set)?;
+    let tapes = Tapes::new(&derivation, &values).map_err(Failure::usage)?;
     Ok(Box::new(Interpreted::new(tapes)))
+}
+
+/// Values of all parameters: those set by name, the model's own for the rest.
+fn parameter_values(derivation: &Derivation, set: &[(String, f64)]) -> Outcome<Vec<f64>> {
+    let parameters = &derivation.model.parameters;
+    let mut values: Vec<f64> = parameters.iter().map(|parameter| parameter.value_f64).collect();
+    let mut seen = Vec::new();
+    for (name, value) in set {
+        let known = |p: &Parameter| p.name == *name || p.path == *name;
+        let Some(i) = parameters.iter().position(known) else {
+            return Err(Failure::unknown("parameter", name, parameters.iter().map(|p| &*p.name)));
+        };
+        if seen.contains(&i) {
+            return Err(Failure::usage(format!("parameter `{name}` is set twice")));
+        }
+        seen.push(i);
+        values[i] = *value;
+    }
+    check_parameters(derivation, &values).map_err(Failure::usage)?;
+    Ok(values)
 }
 
 struct Interpreted {
@@ -59,11 +76,17 @@ impl Interpreted {
         results: &mut Vec<f64>,
     ) -> Result<(), Error> {
         results.resize(self.tapes.result_count(quantity)?, 0.0);
-        let state = shapebot_interpreter::State { q: &state.q, qd: &state.qd, qdd: &state.qdd, force };
+        let state =
+            shapebot_interpreter::State { q: &state.q, qd: &state.qd, qdd: &state.qdd, force };
         self.tapes.evaluate(quantity, &state, results)
     }
 
-    fn fill(&self, selection: &Selection, state: &State, results: &mut Results) -> Result<(), Error> {
+    fn fill(
+        &self,
+        selection: &Selection,
+        state: &State,
+        results: &mut Results,
+    ) -> Result<(), Error> {
         let scratch = &mut *self.scratch.borrow_mut();
         if selection.contains(Field::ForwardDynamics) {
             self.force(state, scratch)?;

@@ -3,11 +3,10 @@
 mod bundled;
 mod compiled;
 mod interpreted;
-mod parameters;
 mod text;
 
 pub(crate) use bundled::{Bundled, bundled};
-pub(crate) use text::{ModelText, derive};
+pub(crate) use text::{ModelText, derive, prove, rederive};
 
 use crate::commands::eval::{Results, Selection, Sizes, State};
 use crate::failure::{Failure, Outcome};
@@ -52,9 +51,9 @@ pub(crate) fn open(name: &str) -> Outcome<Source> {
     if name.ends_with(".robot") || path.exists() {
         return ModelText::read(path).map(Source::File);
     }
-    match bundled().iter().find(|robot| robot.name() == name) {
+    match bundled().find(|robot| robot.name() == name) {
         Some(robot) => Ok(Source::Bundled(robot)),
-        None => Err(Failure::unknown("file or bundled robot", name, bundled().iter().map(Bundled::name))),
+        None => Err(Failure::unknown("file or bundled robot", name, bundled().map(Bundled::name))),
     }
 }
 

@@ -1,7 +1,8 @@
 //! Model texts: reading, checking, deriving, and saying what is wrong with them.
 
 use crate::failure::{Failure, Outcome};
-use shapebot_codegen::derive::{Derivation, Parameters};
+use shapebot_codegen::derive::{Derivation, Equations, Parameters};
+use shapebot_codegen::proof::Certificate;
 use shapebot_model_dsl::model::Model;
 use shapebot_model_dsl::{Diagnostic, MAX_BYTES, parse_bytes, render};
 use std::fs::File;
@@ -34,6 +35,11 @@ impl ModelText {
         parsed.model.ok_or(Failure::Reported)
     }
 
+    fn refuse(&self, diagnostics: &[Diagnostic]) -> Failure {
+        self.report(diagnostics);
+        Failure::Reported
+    }
+
     /// Says what is wrong, on standard error.
     fn report(&self, diagnostics: &[Diagnostic]) {
         if diagnostics.is_empty() {
@@ -46,11 +52,26 @@ impl ModelText {
     }
 }
 
+/// A model with its equations of motion and what is proved about them; what is wrong with it goes to
+/// standard error.
+pub(crate) fn prove(text: &ModelText) -> Outcome<(Model, Equations, Certificate)> {
+    let model = text.model()?;
+    let proved = shapebot_codegen::derive::prove(&model);
+    let (equations, certificate) = proved.map_err(|diagnostics| text.refuse(&diagnostics))?;
+    text.report(&certificate.warnings);
+    Ok((model, equations, certificate))
+}
+
 /// Everything that follows from a model; what is wrong with it goes to standard error.
 pub(crate) fn derive(text: &ModelText, parameters: Parameters) -> Outcome<Derivation> {
     let model = text.model()?;
-    shapebot_codegen::derive::derive(&model, parameters).map_err(|diagnostics| {
-        text.report(&diagnostics);
-        Failure::Reported
-    })
+    let derived = shapebot_codegen::derive::derive(&model, parameters);
+    let derivation = derived.map_err(|diagnostics| text.refuse(&diagnostics))?;
+    text.report(&derivation.certificate.warnings);
+    Ok(derivation)
+}
+
+/// The same with other parameters, of a derivation that was reported already.
+pub(crate) fn rederive(derivation: &Derivation, parameters: Parameters) -> Outcome<Derivation> {
+    shapebot_codegen::derive::derive(&derivation.model, parameters).map_err(|_| Failure::Reported)
 }

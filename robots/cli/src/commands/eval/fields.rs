@@ -133,7 +133,8 @@ impl Selection {
         for name in names {
             let field = find(name.trim())?;
             if !has(&field) {
-                let message = format!("no field `{}`: the robot is not shape-accelerated", field.name());
+                let message =
+                    format!("no field `{}`: the robot is not shape-accelerated", field.name());
                 return Err(Failure::usage(message));
             }
             if fields.contains(&field) {

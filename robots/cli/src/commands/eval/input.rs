@@ -86,12 +86,14 @@ impl<'de> Visitor<'de> for &mut Input {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         while let Some(key) = map.next_key::<Key>()? {
-            let Some(given) = self.vector(&key) else {
+            let Some(given) = self.vector(key) else {
                 map.next_value::<IgnoredAny>()?;
                 continue;
             };
             if given.present {
-                return Err(serde::de::Error::custom(format_args!("a vector is given twice: {key:?}")));
+                return Err(serde::de::Error::custom(format_args!(
+                    "a vector is given twice: {key:?}"
+                )));
             }
             map.next_value_seed(given)?;
         }
