@@ -127,6 +127,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod bounds;
 mod constraint;
 mod error;
 mod gain;
@@ -135,6 +136,7 @@ mod linear_algebra;
 pub mod motion;
 mod objective;
 pub mod optimise;
+mod phases;
 mod plan;
 mod planner;
 mod reference;
@@ -146,14 +148,18 @@ pub mod value;
 #[path = "../tests/common/mod.rs"]
 mod common;
 
+pub use bounds::{AccelerationBound, acceleration_bound, constant_acceleration};
 pub use constraint::{Constrained, SetMotion, ShapeConstraint, Unconstrained};
 pub use error::Error;
 pub use gain::Weighting;
 pub use integrate::MIN_SAMPLES;
 pub use objective::Objective;
-pub use optimise::{LevenbergMarquardt, Termination};
-pub use plan::{Plan, PlanPoint, Report, Row};
-pub use planner::{Task, plan};
+pub use optimise::{LevenbergMarquardt, NelderMead, Optimiser, Termination};
+pub use phases::TwoPhases;
+pub use plan::{Plan, PlanPoint, Report, Row, Warning};
+pub use planner::{Parametrisation, Task, plan};
 pub use reference::Desired;
 pub use torque::{ForceReport, actuator_force, generalised_force, survey_forces};
-pub use refined::{RefinedPlan, RefinedReport, Refinement, Start, Workspace, refine};
+pub use refined::{
+    RefinedPlan, RefinedReport, Refinement, Spare, Start, Workspace, choose_shares, refine,
+};

@@ -163,24 +163,78 @@ pub struct Report<T: Ordered, const NS: usize> {
     pub evaluations: usize,
     /// Why the optimiser ended.
     pub termination: Termination,
+    /// ‖Γ′(q_s) − K⁰_qs q_s‖/‖K⁰_qs q_s‖ at the sample of the largest acceleration: how far the plan
+    /// leaves the region in which shape and acceleration are proportional.
+    pub nonlinearity: T,
+}
+
+/// What is doubtful about a plan that is no error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning<T> {
+    /// The shape leaves the linear region that a constant gain relies on (Sec. IV-B).
+    BeyondLinearRegion {
+        /// [`Report::nonlinearity`].
+        nonlinearity: T,
+    },
+}
+
+impl<T: Ordered> fmt::Display for Warning<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BeyondLinearRegion { nonlinearity } => write!(
+                f,
+                "the planned shape leaves the linear region: its acceleration is {:.1} % off K⁰_qs q_s",
+                nonlinearity.to_f64() * 100.0
+            ),
+        }
+    }
+}
+
+/// Nonlinearity up to which a plan passes without a warning: a ballbot's at a lean of 10°.
+const LINEAR_REGION: f64 = 0.01;
+
+impl<T: Ordered, const NS: usize> Default for Report<T, NS> {
+    fn default() -> Self {
+        let zero = T::zero();
+        Self {
+            cost: zero,
+            initial_cost: zero,
+            acceleration_cost: zero,
+            output_rmse: zero,
+            output_max_error: zero,
+            output_end_error: zero,
+            position_rmse: zero,
+            peak_shape: SVector::zeros(),
+            iterations: 0,
+            evaluations: 0,
+            termination: Termination::IterationLimit,
+            nonlinearity: zero,
+        }
+    }
 }
 
 impl<T: Ordered, const NS: usize> Report<T, NS> {
     /// What the optimiser knows; the rest is added row by row.
-    pub(crate) fn new<const NX: usize>(minimum: &Minimum<T, NX, NX>, evaluations: usize) -> Self {
+    pub(crate) fn new<const P: usize, const NX: usize>(
+        minimum: &Minimum<T, P, NX>,
+        evaluations: usize,
+    ) -> Self {
         Self {
             cost: minimum.cost,
             initial_cost: minimum.start_cost,
-            acceleration_cost: T::zero(),
-            output_rmse: T::zero(),
-            output_max_error: T::zero(),
-            output_end_error: T::zero(),
-            position_rmse: T::zero(),
-            peak_shape: SVector::zeros(),
             iterations: minimum.iterations,
             evaluations,
             termination: minimum.termination,
+            ..Self::default()
         }
+    }
+
+    /// What is doubtful about the plan.
+    pub fn warning(&self) -> Option<Warning<T>> {
+        let nonlinearity = self.nonlinearity;
+        (nonlinearity > T::from_f64(LINEAR_REGION))
+            .then_some(Warning::BeyondLinearRegion { nonlinearity })
     }
 
     /// Adds a row; until [`averaged`](Self::averaged) the two RMSE are sums of squares.
@@ -362,10 +416,20 @@ where
         let (positions, shapes) =
             (description.position_coordinates(), description.shape_coordinates());
         let mut report = self.report;
+        let shape_gain = robot.shape_gain();
+        let mut steepest = (T::zero(), SVector::zeros());
         for row in self.rows(robot) {
+            let size = norm(&(shape_gain * row.plan.shape));
+            if size > steepest.0 {
+                steepest = (size, row.plan.shape);
+            }
             row.check_finite()?;
             row.check_ranges(positions, shapes)?;
             report.add(&row);
+        }
+        if steepest.0 > T::zero() {
+            let difference = robot.gamma_prime(&steepest.1) - shape_gain * steepest.1;
+            report.nonlinearity = norm(&difference) / steepest.0;
         }
         self.report = report.averaged(self.grid.count);
         if self.report.is_finite() {

@@ -11,12 +11,14 @@ mod gram;
 mod limits;
 mod plan;
 mod problem;
+mod shares;
 mod solve;
 mod task;
 mod window;
 mod workspace;
 
 pub use plan::{RefinedPlan, RefinedReport};
+pub use shares::{Spare, choose_shares};
 pub use solve::refine;
 pub use task::{Refinement, Start};
 pub use window::MIN_REFINED_SAMPLES;

@@ -113,6 +113,7 @@ where
             samples: task.samples,
             weighting: task.weighting,
             objective: task.objective,
+            parametrisation: task.parametrisation,
             optimiser: task.optimiser,
             constraint: task.constraint,
         };
