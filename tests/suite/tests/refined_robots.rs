@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 use shapebot_dynamics::Robot;
-use shapebot_planner::motion::Line;
+use shapebot_planner::motion::{Line, Transfer};
 use shapebot_planner::value::{PlanView, encode, encoded_len};
 use shapebot_planner::{
     RefinedPlan, Refinement, Start, Task, Unconstrained, Weighting, Workspace, actuator_force,
@@ -136,9 +136,10 @@ where
     if goal[0] < 2.0 {
         return;
     }
-    let task = Task::new(&line, 501).weighting(Weighting::Contributions(&ratios));
+    let task = Task::<_, _, NS>::new(&line, 501).weighting(Weighting::Contributions(&ratios));
     let (gain, jacobian) = (task.weighting.gain(robot).expect("a gain"), robot.output_jacobian_position());
-    let lean = gain.column(0).normalize() * 5.0_f64.to_radians();
+    let column = gain.column(0);
+    let lean = column * (5.0_f64.to_radians() / column.dot(&column).sqrt());
     let start = Start {
         position: SVector::zeros(),
         velocity: SVector::from_fn(|i, _| if i == 0 { 1.0 / jacobian[(0, 0)] } else { 0.0 }),
@@ -150,6 +151,10 @@ where
         refine(robot, &task, &Refinement::default(), &mut workspace).expect("a plan");
     });
     let refinement = Refinement::default().start(start);
+    let mut rest = [SVector::zeros(); 5];
+    rest[0] = goal;
+    let onward = Transfer::new(&start.output(robot), &rest, 5.0).expect("a motion");
+    let task = Task::new(&onward, 501).weighting(Weighting::Contributions(&ratios));
     let moving = fastest(100, || {
         refine(robot, &task, &refinement, &mut workspace).expect("a plan");
     });
@@ -226,7 +231,7 @@ fn time_is_linear_in_samples() {
         let plan = refine(&robot, &task, &Refinement::default(), &mut workspace).expect("a plan");
         assert_eq!(plan.report().sweeps, 2, "{samples}");
         let _ = writeln!(std::io::stderr(), "{samples} samples: {time:?}");
-        time.as_secs_f64() / f64::from(samples)
+        time.as_secs_f64() / samples as f64
     });
     // Timing on a shared machine: generous.
     assert!(per_sample[3] < 3.0 * per_sample[1], "{per_sample:?}");

@@ -8,7 +8,7 @@ use crate::Error;
 use crate::constraint::ShapeConstraint;
 use crate::integrate::{Accelerated, DoubleIntegral, Integrated};
 use crate::linear_algebra::{inverse, norm, solve};
-use crate::motion::{DesiredMotion, SmoothStep};
+use crate::motion::{DesiredMotion, SmoothStep, Transfer};
 use crate::reference::OutputMap;
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Ordered, ShapeAccelerated};
@@ -83,6 +83,9 @@ pub(crate) struct Problem<'p, R: ?Sized, M: ?Sized, C, T: Ordered, const NX: usi
     pub(crate) linear: Linearised<T, NX>,
     pub(crate) start: Start<T, NX, NS>,
     pub(crate) fade: Option<Fade<T, NS>>,
+    /// How a start off the desired motion catches up: the error that is asked for, over time since the
+    /// window's start.
+    pub(crate) catch_up: Option<Transfer<T, NX>>,
 }
 
 /// One sample of a sweep.
@@ -212,6 +215,14 @@ where
     pub(crate) fn output_error(&self, node: &Swept<T, NX, NS>) -> SVector<T, NX> {
         let position = node.sample.position(&node.position);
         self.robot.output(&position, &node.sample.shape) - self.motion.position(node.sample.time)
+    }
+
+    /// The part of that error which is not asked for.
+    pub(crate) fn unwanted(&self, time: T, error: &SVector<T, NX>) -> SVector<T, NX> {
+        match &self.catch_up {
+            None => *error,
+            Some(catch_up) => error - catch_up.position(time - self.window.start()),
+        }
     }
 
     /// The same for the output's velocity at the window's end.

@@ -10,7 +10,7 @@ use super::workspace::{SpanCurve, Workspace};
 use crate::Error;
 use crate::constraint::ShapeConstraint;
 use crate::linear_algebra::{column, inverse, is_finite, largest, norm, solve};
-use crate::motion::{DesiredMotion, SmoothStep, Stretched};
+use crate::motion::{DesiredMotion, SmoothStep, Stretched, Transfer};
 use crate::planner::{Task, check_description};
 use crate::reference::{Grid, OutputMap};
 use nalgebra::{SMatrix, SVector};
@@ -158,12 +158,14 @@ where
         linear,
         start: desired_start(robot, task, &window, &map),
         fade: None,
+        catch_up: None,
     };
     check_standing(task.motion, refinement, window.step())?;
     let mut ends = Ends { virtual_start: [SVector::zeros(); 2], given: REST };
     if let Some(start) = &refinement.start {
         problem.start = *start;
         ends = Ends { virtual_start: begin_at(&mut problem)?, given: REST - 1 };
+        problem.catch_up = catch_up(&problem, &ends.virtual_start[0], refinement.catch_up)?;
     }
     workspace.basis.prepare(window.spans);
     place_ends(&problem, &ends, &map, workspace);
@@ -261,6 +263,40 @@ where
         });
     }
     Ok(made)
+}
+
+/// From the start's output, velocity and (near the origin) acceleration to the desired motion.
+fn catch_up<R, M, C, T, const NX: usize, const NS: usize>(
+    problem: &Problem<'_, R, M, C, T, NX, NS>,
+    acceleration: &SVector<T, NX>,
+    seconds: Option<T>,
+) -> Result<Option<Transfer<T, NX>>, Error>
+where
+    R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    M: DesiredMotion<T, NX> + ?Sized,
+    C: ShapeConstraint<T, NX, NS>,
+    T: Ordered,
+{
+    let Start { position, velocity, shape, shape_velocity } = &problem.start;
+    let jacobian = problem.linear.jacobian;
+    let by_shape = problem.robot.output_jacobian_shape(position, shape);
+    let desired = problem.motion.derivatives(problem.window.start());
+    let zero = SVector::zeros();
+    let from = [
+        problem.robot.output(position, shape) - desired[0],
+        jacobian * velocity + by_shape * shape_velocity - desired[1],
+        jacobian * acceleration - desired[2],
+        zero,
+        zero,
+    ];
+    let size = T::one() + largest(desired.iter().flat_map(|d| d.iter().copied()));
+    let off = largest(from.iter().flat_map(|d| d.iter().copied()));
+    if off <= size * T::epsilon() * T::from_f64(1024.0) {
+        return Ok(None);
+    }
+    let length = problem.window.length();
+    let seconds = seconds.filter(|seconds| *seconds < length).unwrap_or(length);
+    Transfer::new(&from, &[zero; 5], seconds).map(Some)
 }
 
 /// The matrix that reads u off a shape: by the unactuated coordinates, if K⁰ moves them; what an
@@ -444,7 +480,7 @@ where
             moments.flush(basis.span(moments.span), &problem.linear, length, gradient);
             moments = Moments::new(node.sample.span);
         }
-        moments.add(node.sample.sigma, &error);
+        moments.add(node.sample.sigma, &problem.unwanted(node.sample.time, &error));
         let square = error.dot(&error);
         found.squares += square;
         if problem.window.in_motion(node.sample.index) {

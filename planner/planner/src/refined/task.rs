@@ -2,8 +2,9 @@
 
 use crate::Error;
 use crate::linear_algebra::is_finite;
+use crate::motion::Derivatives;
 use nalgebra::SVector;
-use shapebot_dynamics::Ordered;
+use shapebot_dynamics::{Ordered, ShapeAccelerated};
 
 /// Where a robot is when its plan begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +19,26 @@ pub struct Start<T: Ordered, const NX: usize, const NS: usize> {
     pub shape_velocity: SVector<T, NS>,
 }
 
+impl<T: Ordered, const NX: usize, const NS: usize> Start<T, NX, NS> {
+    /// The output's position and velocity, and the acceleration and jerk that the shape and its rate
+    /// are about to cause: where a [`Transfer`](crate::motion::Transfer) for a moving robot begins.
+    pub fn output<R>(&self, robot: &R) -> Derivatives<T, NX>
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    {
+        let jacobian = robot.output_jacobian_position();
+        let by_shape = robot.output_jacobian_shape(&self.position, &self.shape);
+        let caused = jacobian * robot.shape_gain();
+        [
+            robot.output(&self.position, &self.shape),
+            jacobian * self.velocity + by_shape * self.shape_velocity,
+            caused * self.shape,
+            caused * self.shape_velocity,
+            SVector::zeros(),
+        ]
+    }
+}
+
 /// How a plan is refined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refinement<T: Ordered, const NX: usize, const NS: usize> {
@@ -28,7 +49,10 @@ pub struct Refinement<T: Ordered, const NX: usize, const NS: usize> {
     /// The state that the plan begins in. Without one: on the desired motion, at its velocity, free
     /// shape coordinates and their rates zero.
     pub start: Option<Start<T, NX, NS>>,
-    /// Spans of the spline, from 4. Without a number: five per second, at least twenty, as far as
+    /// Seconds in which a start off the desired motion catches up with it; the whole window without a
+    /// number.
+    pub catch_up: Option<T>,
+    /// Spans of the spline, from 4. Without a number: four per second, at least twenty, as far as
     /// workspace and samples allow.
     pub spans: Option<usize>,
     /// Most evaluations of Γ along the whole plan.
@@ -46,6 +70,7 @@ impl<T: Ordered, const NX: usize, const NS: usize> Default for Refinement<T, NX,
             standing_before: T::zero(),
             standing_after: T::zero(),
             start: None,
+            catch_up: None,
             spans: None,
             max_sweeps: 10,
             tolerance: T::from_f64(5e-5),
@@ -83,6 +108,9 @@ impl<T: Ordered, const NX: usize, const NS: usize> Refinement<T, NX, NS> {
             if !value.is_finite() || value < T::zero() {
                 return Err(Error::Invalid { field, value: value.to_f64(), expected });
             }
+        }
+        if let Some(catch_up) = self.catch_up {
+            crate::motion::check_duration(catch_up)?;
         }
         if self.max_sweeps == 0 {
             let expected = "at least 1";

@@ -46,7 +46,7 @@ impl<T: Ordered> Window<T> {
         window.spans = match spans {
             None => {
                 // Bounded above by the control points, so that the cast is exact.
-                let wanted = (window.length().to_f64() * 5.0).min(most as f64) as usize;
+                let wanted = (window.length().to_f64() * 4.0).min(most as f64) as usize;
                 wanted.max(20).min(most)
             }
             Some(spans) if (4..=most).contains(&spans) => spans,

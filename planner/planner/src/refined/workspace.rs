@@ -9,7 +9,7 @@ use shapebot_dynamics::Ordered;
 /// It does not grow with the samples of a motion.
 ///
 /// The caller owns it, on the stack or in a `static`; a plan borrows it. A curve of s spans has s + 7
-/// control points: five spans per second are plenty.
+/// control points: four spans per second are plenty.
 #[derive(Clone, Debug)]
 pub struct Workspace<T: Ordered, const NX: usize, const POINTS: usize> {
     pub(crate) basis: Basis<T>,

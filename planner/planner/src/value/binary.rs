@@ -23,6 +23,7 @@ use super::crc::crc32;
 use super::view::{PlanView, Stored, convert};
 use crate::linear_algebra::is_finite;
 use crate::plan::Row;
+use core::marker::PhantomData;
 use nalgebra::SVector;
 use shapebot_dynamics::Ordered;
 
@@ -123,37 +124,23 @@ where
     let Some(file) = buffer.get_mut(..expected) else {
         return Err(FileError::BufferTooSmall { found, expected });
     };
-    let size = PlanView::<'_, T, NX, NS, F>::NODE * T::SIZE;
+    let mut writer = Writer::<T, F> {
+        content: &mut file[HEADER_BYTES..expected - 4],
+        size: PlanView::<'_, T, NX, NS, F>::NODE * T::SIZE,
+        stride,
+        scalar: PhantomData,
+    };
     let mut times = [0.0; 2];
-    // Rates of the forces are differences of the samples around a node.
-    let mut recent: [Option<SVector<U, F>>; 2] = [None; 2];
-    let mut period = 0.0;
+    let mut differences = Differences { last: count - 1, period: 0.0, recent: [None; 2] };
     for (index, row) in rows.enumerate() {
         let here = force(&row);
         let time = row.plan.time.to_f64();
-        if index == 1 {
-            period = time - times[0];
-        }
         times[usize::from(index > 0)] = time;
-        let content = &mut file[HEADER_BYTES..expected - 4];
-        if index.is_multiple_of(stride) {
-            let node = &mut content[index / stride * size..];
-            write_node::<T, U, NX, NS, F>(&row, &here, node)?;
+        if index == 1 {
+            differences.period = time - times[0];
         }
-        if let Some(previous) = recent[1]
-            && (index - 1).is_multiple_of(stride)
-        {
-            let (from, span) = recent[0].map_or((previous, 1.0), |oldest| (oldest, 2.0));
-            write_rate::<T, U, F>(&((here - from) / U::from_f64(span * period)), &mut content
-                [((index - 1) / stride + 1) * size - F * T::SIZE..]);
-        }
-        if let Some(previous) = recent[1]
-            && index + 1 == count
-        {
-            let rate = (here - previous) / U::from_f64(period);
-            write_rate::<T, U, F>(&rate, &mut content[(index / stride + 1) * size - F * T::SIZE..]);
-        }
-        recent = [recent[1], Some(here)];
+        writer.node(index, &row, &here)?;
+        differences.add(index, here, |index, rate| writer.rate(index, rate));
     }
     let step = (times[1] - times[0]) / f64::from(nodes - 1);
     let header = Header {
@@ -173,28 +160,95 @@ where
     Ok(expected)
 }
 
-fn write_node<T: Stored, U: Ordered, const NX: usize, const NS: usize, const F: usize>(
-    row: &Row<U, NX, NS>,
-    force: &SVector<U, F>,
-    bytes: &mut [u8],
-) -> Result<(), FileError> {
-    if !(is_finite(&row.position) && is_finite(&row.plan.shape_acceleration) && is_finite(force)) {
-        return Err(FileError::NonFinite);
-    }
-    let plan = &row.plan;
-    let positions = row.position.iter().chain(row.velocity.iter()).chain(row.acceleration.iter());
-    let shapes = plan.shape.iter().chain(plan.shape_velocity.iter());
-    let shapes = shapes.chain(plan.shape_acceleration.iter());
-    for (value, chunk) in
-        positions.chain(shapes).chain(force.iter()).zip(bytes.chunks_exact_mut(T::SIZE))
-    {
-        convert::<U, T>(*value).write(chunk);
-    }
-    Ok(())
+/// The nodes of a file.
+struct Writer<'b, T, const F: usize> {
+    content: &'b mut [u8],
+    /// Bytes of a node.
+    size: usize,
+    stride: usize,
+    scalar: PhantomData<T>,
 }
 
-fn write_rate<T: Stored, U: Ordered, const F: usize>(rate: &SVector<U, F>, bytes: &mut [u8]) {
-    for (value, chunk) in rate.iter().zip(bytes.chunks_exact_mut(T::SIZE)) {
-        convert::<U, T>(*value).write(chunk);
+impl<T: Stored, const F: usize> Writer<'_, T, F> {
+    /// The bytes of a row's node, if it is one.
+    fn bytes(&mut self, index: usize) -> Option<&mut [u8]> {
+        let begin = index / self.stride * self.size;
+        let node = self.content.get_mut(begin..begin + self.size);
+        node.filter(|_| index.is_multiple_of(self.stride))
+    }
+
+    fn node<U: Ordered, const NX: usize, const NS: usize>(
+        &mut self,
+        index: usize,
+        row: &Row<U, NX, NS>,
+        force: &SVector<U, F>,
+    ) -> Result<(), FileError> {
+        let plan = &row.plan;
+        if !(is_finite(&row.position) && is_finite(&plan.shape_acceleration) && is_finite(force)) {
+            return Err(FileError::NonFinite);
+        }
+        let Some(bytes) = self.bytes(index) else {
+            return Ok(());
+        };
+        let positions =
+            row.position.iter().chain(row.velocity.iter()).chain(row.acceleration.iter());
+        let shapes = plan.shape.iter().chain(plan.shape_velocity.iter());
+        let values = positions.chain(shapes).chain(plan.shape_acceleration.iter());
+        for (value, chunk) in values.chain(force.iter()).zip(bytes.chunks_exact_mut(T::SIZE)) {
+            convert::<U, T>(*value).write(chunk);
+        }
+        Ok(())
+    }
+
+    /// Rates of the forces come last in a node.
+    fn rate<U: Ordered>(&mut self, index: usize, rate: SVector<U, F>) {
+        let Some(bytes) = self.bytes(index) else {
+            return;
+        };
+        let begin = bytes.len().saturating_sub(F * T::SIZE);
+        let chunks = bytes[begin..].chunks_exact_mut(T::SIZE);
+        for (value, chunk) in rate.iter().zip(chunks) {
+            convert::<U, T>(*value).write(chunk);
+        }
+    }
+}
+
+/// Rates of the forces: differences of three neighbouring samples, one-sided at the ends.
+struct Differences<U: Ordered, const F: usize> {
+    last: usize,
+    /// Seconds from sample to sample.
+    period: f64,
+    /// The forces two samples ago, and one sample ago.
+    recent: [Option<SVector<U, F>>; 2],
+}
+
+impl<U: Ordered, const F: usize> Differences<U, F> {
+    /// Passes on the rates that a further sample determines.
+    fn add(
+        &mut self,
+        index: usize,
+        here: SVector<U, F>,
+        mut pass: impl FnMut(usize, SVector<U, F>),
+    ) {
+        let (two, three, four) = (U::from_f64(2.0), U::from_f64(3.0), U::from_f64(4.0));
+        let span = U::from_f64(self.period);
+        match self.recent {
+            [Some(oldest), Some(middle)] => {
+                if index == 2 {
+                    pass(0, (middle * four - oldest * three - here) / (span * two));
+                }
+                pass(index - 1, (here - oldest) / (span * two));
+                if index == self.last {
+                    pass(index, (here * three - middle * four + oldest) / (span * two));
+                }
+            }
+            [None, Some(middle)] if index == self.last => {
+                let rate = (here - middle) / span;
+                pass(0, rate);
+                pass(index, rate);
+            }
+            _ => {}
+        }
+        self.recent = [self.recent[1], Some(here)];
     }
 }
