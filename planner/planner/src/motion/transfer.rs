@@ -1,6 +1,6 @@
 //! From one state of motion to another.
 
-use super::{Bezier, Derivatives, DesiredMotion, at_rest, check_duration, check_point};
+use super::{Derivatives, DesiredMotion, at_rest, check_duration, check_point, in_time};
 use crate::Error;
 use nalgebra::SVector;
 use shapebot_dynamics::Ordered;
@@ -12,7 +12,8 @@ const DEGREE: usize = 9;
 /// of both ends are met. Between two rests it is the paper's nonic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transfer<T: Ordered, const NX: usize> {
-    points: [SVector<T, NX>; DEGREE + 1],
+    /// Powers of τ, and of 1 − τ: each is used on its own half, where little cancels.
+    halves: [[SVector<T, NX>; DEGREE + 1]; 2],
     duration: T,
 }
 
@@ -32,7 +33,10 @@ impl<T: Ordered, const NX: usize> Transfer<T, NX> {
             check_point("derivatives at the goal", derivative)?;
         }
         check_duration(duration)?;
-        Ok(Self { points: control_points(from, to, duration), duration })
+        let points = control_points(from, to, duration);
+        let mut mirrored = points;
+        mirrored.reverse();
+        Ok(Self { halves: [powers(points), powers(mirrored)], duration })
     }
 
     /// From a position and velocity to another, without acceleration, jerk and snap at both ends: two
@@ -69,6 +73,41 @@ pub(super) fn control_points<T: Ordered, const NX: usize>(
     points
 }
 
+/// From Bernstein to powers: c_k = C(n, k) Δᵏb_0.
+fn powers<T: Ordered, const NX: usize>(
+    mut points: [SVector<T, NX>; DEGREE + 1],
+) -> [SVector<T, NX>; DEGREE + 1] {
+    let mut binomial = T::one();
+    for k in 0..DEGREE {
+        for i in (k + 1..=DEGREE).rev() {
+            points[i] = points[i] - points[i - 1];
+        }
+        points[k] *= binomial;
+        binomial *= T::from_f64((DEGREE - k) as f64 / (k + 1) as f64);
+    }
+    points[DEGREE] *= binomial;
+    points
+}
+
+/// Value and four derivatives of a polynomial.
+fn evaluate<T: Ordered, const NX: usize>(
+    coefficients: &[SVector<T, NX>; DEGREE + 1],
+    x: T,
+) -> Derivatives<T, NX> {
+    // Horner with derivatives: entry r collects the r-th over r!.
+    let mut taylor = [SVector::zeros(); 5];
+    for coefficient in coefficients.iter().rev() {
+        for r in (1..5).rev() {
+            taylor[r] = taylor[r] * x + taylor[r - 1];
+        }
+        taylor[0] = taylor[0] * x + coefficient;
+    }
+    for (derivative, factorial) in taylor.iter_mut().zip([1.0, 1.0, 2.0, 6.0, 24.0]) {
+        *derivative *= T::from_f64(factorial);
+    }
+    taylor
+}
+
 /// b_k = Σ_j C(k, j) (n−j)!/n! hʲ x⁽ʲ⁾.
 fn near_end<T: Ordered, const NX: usize>(
     derivatives: &Derivatives<T, NX>,
@@ -91,11 +130,31 @@ impl<T: Ordered, const NX: usize> DesiredMotion<T, NX> for Transfer<T, NX> {
     }
 
     fn derivatives(&self, t: T) -> Derivatives<T, NX> {
-        Bezier::unchecked(&self.points, self.duration).derivatives(t)
+        if t < T::zero() {
+            return at_rest(self.halves[0][0]);
+        }
+        if t > self.duration {
+            return at_rest(self.halves[1][0]);
+        }
+        let tau = t / self.duration;
+        if tau <= T::from_f64(0.5) {
+            return in_time(evaluate(&self.halves[0], tau), self.duration);
+        }
+        let mut x = evaluate(&self.halves[1], T::one() - tau);
+        x[1] = -x[1];
+        x[3] = -x[3];
+        in_time(x, self.duration)
     }
 
     fn position(&self, t: T) -> SVector<T, NX> {
-        Bezier::unchecked(&self.points, self.duration).position(t)
+        let tau = t / self.duration;
+        let (half, near) = if tau <= T::from_f64(0.5) {
+            (&self.halves[0], tau)
+        } else {
+            (&self.halves[1], T::one() - tau)
+        };
+        let near = if near < T::zero() { T::zero() } else { near };
+        half.iter().rev().fold(SVector::zeros(), |sum, coefficient| sum * near + coefficient)
     }
 }
 

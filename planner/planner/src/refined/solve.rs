@@ -169,7 +169,7 @@ where
     }
     workspace.basis.prepare(window.spans);
     place_ends(&problem, &ends, &map, workspace);
-    gram::assemble(&workspace.basis, &window, &linear, &mut workspace.normal);
+    gram::assemble(&workspace.basis, &window.thinned(), &linear, &mut workspace.normal);
     let count = window.spans + super::basis::DEGREE;
     workspace
         .normal
@@ -399,31 +399,12 @@ where
     T: Ordered,
 {
     let bounds = Bounds::new(problem.robot, refinement.limits.as_ref());
-    let mut gradient = [SVector::zeros(); POINTS];
-    let nodes = problem.linear_sweep(&workspace.basis, &workspace.points);
-    let found = pass(problem, nodes, &bounds, workspace, &mut gradient)?;
-    workspace.gradient = gradient;
-    step(problem, &found, count, workspace)?;
+    let coarse = Problem { window: problem.window.thinned(), ..*problem };
+    let mut run = Run { bounds: &bounds, count, refinement, coarse: &coarse, evaluations: 0, sweeps: 0 };
+    let linear = run.linear(workspace)?;
     advance(count, workspace);
-    let (mut used, mut converged) = (0, false);
-    let mut initial = None;
-    let found = loop {
-        let nodes = problem.sweep(&workspace.basis, &workspace.points);
-        let found = pass(problem, nodes, &bounds, workspace, &mut gradient)?;
-        workspace.gradient = gradient;
-        used += 1;
-        let rmse = root_mean(found.squares, problem.window.count);
-        initial = initial.or(Some(rmse));
-        let change = step(problem, &found, count, workspace)?;
-        let errors = [change, norm(&found.end), norm(&found.end_velocity)];
-        if errors.iter().all(|&error| error <= refinement.tolerance) {
-            converged = true;
-        }
-        if converged || used >= refinement.max_sweeps {
-            break found;
-        }
-        advance(count, workspace);
-    };
+    run.approach(workspace)?;
+    let (found, converged) = run.finish(problem, workspace)?;
     if let Some(breach) = bounds.first_breach(&found.peaks) {
         return Err(breach);
     }
@@ -431,16 +412,102 @@ where
     Ok(RefinedReport {
         output_rmse: root_mean(found.squares, window.count),
         motion_rmse: root_mean(found.motion_squares, window.motion_samples()),
-        linear_rmse: initial.unwrap_or_else(T::zero),
+        linear_rmse: linear,
         output_max_error: found.largest,
         output_end_error: norm(&found.end),
         output_end_velocity_error: norm(&found.end_velocity),
         peak_shape: found.peaks.magnitude(),
         spans: window.spans,
-        sweeps: used,
-        evaluations: window.count.saturating_mul(used),
+        sweeps: run.sweeps,
+        evaluations: run.evaluations,
         converged,
     })
+}
+
+/// How much of the error a step leaves, until it is measured.
+const CONTRACTION: f64 = 1.0 / 60.0;
+
+/// The sweeps of one plan.
+struct Run<'r, 'p, R: ?Sized, M: ?Sized, C, T: Ordered, const NX: usize, const NS: usize> {
+    /// The problem on as few samples as resolve the spline: most of the way is made there.
+    coarse: &'r Problem<'p, R, M, C, T, NX, NS>,
+    bounds: &'r Bounds<'r, T, NX, NS>,
+    refinement: &'r Refinement<T, NX, NS>,
+    count: usize,
+    evaluations: usize,
+    sweeps: usize,
+}
+
+impl<R, M, C, T, const NX: usize, const NS: usize> Run<'_, '_, R, M, C, T, NX, NS>
+where
+    R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    M: DesiredMotion<T, NX> + ?Sized,
+    C: ShapeConstraint<T, NX, NS>,
+    T: Ordered,
+{
+    /// The step to the fit of a linear robot, and the error it starts from.
+    fn linear<const POINTS: usize>(
+        &self,
+        workspace: &mut Workspace<T, NX, POINTS>,
+    ) -> Result<T, Error> {
+        let mut gradient = [SVector::zeros(); POINTS];
+        let nodes = self.coarse.linear_sweep(&workspace.basis, &workspace.points);
+        let found = pass(self.coarse, nodes, self.bounds, workspace, &mut gradient)?;
+        workspace.gradient = gradient;
+        step(self.coarse, &self.coarse.window, &found, self.count, workspace)?;
+        Ok(root_mean(found.squares, self.coarse.window.count))
+    }
+
+    /// One sweep of Γ and the step it asks for; the largest of that step's effect and the end errors.
+    fn sweep<const POINTS: usize>(
+        &mut self,
+        problem: &Problem<'_, R, M, C, T, NX, NS>,
+        workspace: &mut Workspace<T, NX, POINTS>,
+    ) -> Result<(Found<T, NX, NS>, T), Error> {
+        let mut gradient = [SVector::zeros(); POINTS];
+        let nodes = problem.sweep(&workspace.basis, &workspace.points);
+        let found = pass(problem, nodes, self.bounds, workspace, &mut gradient)?;
+        workspace.gradient = gradient;
+        self.sweeps += 1;
+        self.evaluations = self.evaluations.saturating_add(problem.window.count);
+        let change = step(problem, &self.coarse.window, &found, self.count, workspace)?;
+        let error = larger(larger(change, &found.end), &found.end_velocity);
+        Ok((found, error))
+    }
+
+    /// Sweeps of the thinned samples until the next is expected to find nothing to correct.
+    fn approach<const POINTS: usize>(
+        &mut self,
+        workspace: &mut Workspace<T, NX, POINTS>,
+    ) -> Result<(), Error> {
+        let mut previous = None;
+        while self.sweeps + 1 < self.refinement.max_sweeps {
+            let (_, error) = self.sweep(self.coarse, workspace)?;
+            advance(self.count, workspace);
+            let contraction = previous.map_or(T::from_f64(CONTRACTION), |previous| error / previous);
+            if !(error * contraction > self.refinement.tolerance) {
+                break;
+            }
+            previous = Some(error);
+        }
+        Ok(())
+    }
+
+    /// Sweeps of all samples until they confirm the plan.
+    fn finish<const POINTS: usize>(
+        &mut self,
+        problem: &Problem<'_, R, M, C, T, NX, NS>,
+        workspace: &mut Workspace<T, NX, POINTS>,
+    ) -> Result<(Found<T, NX, NS>, bool), Error> {
+        loop {
+            let (found, error) = self.sweep(problem, workspace)?;
+            let converged = error <= self.refinement.tolerance;
+            if converged || self.sweeps >= self.refinement.max_sweeps {
+                return Ok((found, converged));
+            }
+            advance(self.count, workspace);
+        }
+    }
 }
 
 /// One sweep over the samples: errors, peaks, and Jᵀr as `gradient`.
@@ -510,6 +577,7 @@ where
 /// output.
 fn step<R, M, C, T, const NX: usize, const NS: usize, const POINTS: usize>(
     problem: &Problem<'_, R, M, C, T, NX, NS>,
+    factored: &Window<T>,
     found: &Found<T, NX, NS>,
     count: usize,
     workspace: &mut Workspace<T, NX, POINTS>,
@@ -528,6 +596,11 @@ where
     for (k, step) in last.iter().enumerate() {
         steps[count - 1 - k] = *step;
     }
+    // The matrix has been summed over the samples of another window.
+    let scale = factored.intervals() / problem.window.intervals();
+    for entry in gradient.iter_mut() {
+        *entry *= scale;
+    }
     let mut right = *gradient;
     for entry in &mut right {
         *entry = -*entry;
@@ -540,7 +613,7 @@ where
     for index in free {
         reduction += steps[index].dot(&gradient[index]);
     }
-    let change = root_mean(reduction.abs(), problem.window.count);
+    let change = root_mean(reduction.abs(), factored.count);
     if change.is_finite() {
         return Ok(larger(change, &SVector::<T, 1>::zeros()));
     }

@@ -8,6 +8,10 @@ use shapebot_dynamics::Ordered;
 /// Fewest samples of a refined plan: two for each of four spans.
 pub const MIN_REFINED_SAMPLES: usize = 9;
 
+/// Samples in a span of a thinned window.
+const SAMPLES_PER_SPAN: usize = 5;
+const LARGEST_STRIDE: usize = 4096;
+
 /// Equidistant samples of the window; those of the motion itself lie among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Window<T> {
@@ -60,6 +64,26 @@ impl<T: Ordered> Window<T> {
             }
         };
         Ok(window)
+    }
+
+    /// The same window with as few of its samples as still resolve the spans.
+    pub(crate) fn thinned(&self) -> Self {
+        let intervals = [self.before, self.grid.count - 1, self.count - 1];
+        let most = ((self.count - 1) / (SAMPLES_PER_SPAN * self.spans)).max(1);
+        let divides = |stride: &usize| intervals.iter().all(|n| n.is_multiple_of(*stride));
+        let stride = (1..=most.min(LARGEST_STRIDE)).rev().find(divides).unwrap_or(1);
+        Self {
+            grid: self.grid.thinned(stride),
+            step: self.step * T::from_f64(stride as f64),
+            before: self.before / stride,
+            count: (self.count - 1) / stride + 1,
+            spans: self.spans,
+        }
+    }
+
+    /// Number of sampling intervals.
+    pub(crate) fn intervals(&self) -> T {
+        T::from_f64((self.count - 1) as f64)
     }
 
     /// Seconds.
