@@ -97,7 +97,8 @@ where
         let described = robot.shape_description().shape_sets;
         let mut held = [false; NS];
         for &SetMotion { set, .. } in sets {
-            let refusal = |expected| Error::Invalid { field: "shape set", value: set as f64, expected };
+            let refusal =
+                |expected| Error::Invalid { field: "shape set", value: set as f64, expected };
             let described =
                 described.get(set).ok_or(refusal("an index into the robot's shape sets"))?;
             let end = described.first.saturating_add(described.len);

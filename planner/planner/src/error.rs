@@ -100,6 +100,19 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// The error with a duration that would do, if it can have one.
+    pub(crate) fn with_duration(self, seconds: f64) -> Self {
+        match self {
+            Self::LimitExceeded { coordinate, unit, time, value, lower, upper, duration: _ } => {
+                let duration = Some(seconds);
+                Self::LimitExceeded { coordinate, unit, time, value, lower, upper, duration }
+            }
+            other => other,
+        }
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {

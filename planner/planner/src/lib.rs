@@ -141,6 +141,7 @@ mod plan;
 mod planner;
 mod reference;
 pub mod refined;
+mod report;
 mod torque;
 pub mod value;
 
@@ -156,10 +157,12 @@ pub use integrate::MIN_SAMPLES;
 pub use objective::Objective;
 pub use optimise::{LevenbergMarquardt, NelderMead, Optimiser, Termination};
 pub use phases::TwoPhases;
-pub use plan::{Plan, PlanPoint, Report, Row, Warning};
+pub use plan::{Plan, PlanPoint, Row};
 pub use planner::{Parametrisation, Task, plan};
 pub use reference::Desired;
-pub use torque::{ForceReport, actuator_force, generalised_force, survey_forces};
 pub use refined::{
     RefinedPlan, RefinedReport, Refinement, Spare, Start, Workspace, choose_shares, refine,
+    refine_with_forces,
 };
+pub use report::{Report, Warning};
+pub use torque::{ForceReport, actuator_force, generalised_force, survey_forces};

@@ -6,8 +6,9 @@ use crate::gain::Weighting;
 use crate::motion::DesiredMotion;
 use crate::objective::{GainProblem, Objective};
 use crate::optimise::{Minimum, Optimiser};
-use crate::plan::{Plan, Report};
+use crate::plan::Plan;
 use crate::reference::{Grid, OutputMap};
+use crate::report::Report;
 use core::fmt;
 use nalgebra::SMatrix;
 use shapebot_dynamics::{Ordered, ShapeAccelerated};
@@ -109,6 +110,17 @@ impl<'a, M: ?Sized, T: Ordered, const NS: usize, C> Task<'a, M, T, NS, C> {
     #[must_use]
     pub fn constraint<D>(self, constraint: D) -> Task<'a, M, T, NS, D> {
         let Self { motion, samples, weighting, objective, parametrisation, optimiser, .. } = self;
+        Task { motion, samples, weighting, objective, parametrisation, optimiser, constraint }
+    }
+
+    /// The same for another motion.
+    pub(crate) fn with_motion<'b, L: ?Sized>(&self, motion: &'b L) -> Task<'b, L, T, NS, C>
+    where
+        'a: 'b,
+        C: Copy,
+    {
+        let Self { samples, weighting, objective, parametrisation, optimiser, constraint, .. } =
+            *self;
         Task { motion, samples, weighting, objective, parametrisation, optimiser, constraint }
     }
 
@@ -245,7 +257,9 @@ where
 }
 
 /// Ranges and shape sets are looked up by index: the description must be that of the robot.
-pub(crate) fn check_description<T, const NX: usize, const NS: usize, R>(robot: &R) -> Result<(), Error>
+pub(crate) fn check_description<T, const NX: usize, const NS: usize, R>(
+    robot: &R,
+) -> Result<(), Error>
 where
     T: Ordered,
     R: ShapeAccelerated<T, NX, NS> + ?Sized,

@@ -81,7 +81,8 @@ where
     let plan = refine(&ARMS, &task, &refinement, &mut workspace).expect("a plan");
     let report = plan.report();
     let reference = number(&data["beyond_paper_bspline"]["rmse_xw_m"]);
-    let _ = writeln!(std::io::stderr(), "RMSE {reference:.3e}, floor {:?}: {report:?}", plan.floor());
+    let _ =
+        writeln!(std::io::stderr(), "RMSE {reference:.3e}, floor {:?}: {report:?}", plan.floor());
     assert!(report.converged);
     assert!(report.output_rmse <= reference.max(2e-5) * 1.01);
     assert!(report.output_end_error < 1e-4 && report.output_end_velocity_error < 1e-4);
@@ -156,7 +157,8 @@ fn arms_held_horizontal() {
 fn senseless_constraints_are_refused_by_name() {
     let line = goal(0.3, 4.0);
     let motion = |set| SetMotion { set, motion: &line };
-    let refusal = |sets: &[SetMotion<'_, f64, 1>]| Constrained::new(&ARMS, sets).map(|_| ()).unwrap_err();
+    let refusal =
+        |sets: &[SetMotion<'_, f64, 1>]| Constrained::new(&ARMS, sets).map(|_| ()).unwrap_err();
     assert_eq!(refusal(&[motion(0), motion(1), motion(2)]), Error::NoFreeShapeSet);
     assert!(refusal(&[motion(3)]).to_string().starts_with("shape set is 3"));
     assert!(refusal(&[motion(1), motion(1)]).to_string().starts_with("shape set is 1"));
@@ -172,7 +174,10 @@ fn senseless_constraints_are_refused_by_name() {
     assert!(matches!(error, Error::LimitExceeded { coordinate: "alpha_l", .. }), "{error}");
     let task = task.weighting(Weighting::Contributions(&[0.5, 0.0, 0.5]));
     let error = plan(&ARMS, &task).expect_err("refused");
-    assert_eq!(error.to_string(), "entry 0 of the contributions is 0.5, expected 0 for a constrained shape set");
+    assert_eq!(
+        error.to_string(),
+        "entry 0 of the contributions is 0.5, expected 0 for a constrained shape set"
+    );
 }
 
 /// The free sets cancel what the constrained ones do: the robot stays where it is.

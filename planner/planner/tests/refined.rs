@@ -2,9 +2,7 @@
 
 mod common;
 
-use common::robots::{
-    CartPole, Equations, Planar, Robot, Spatial, TABLE_I,
-};
+use common::robots::{CartPole, Equations, Planar, Robot, Spatial, TABLE_I};
 use nalgebra::SVector;
 use shapebot_planner::motion::Line;
 use shapebot_planner::{Refinement, Task, Workspace, refine};

@@ -145,6 +145,7 @@ where
         velocity: SVector::from_fn(|i, _| if i == 0 { 1.0 / jacobian[(0, 0)] } else { 0.0 }),
         shape: lean,
         shape_velocity: lean * 0.2,
+        shape_acceleration: Some(SVector::zeros()),
     };
     let mut workspace = Workspace::<f64, NX, 64>::new();
     let from_rest = fastest(100, || {
@@ -159,6 +160,12 @@ where
         refine(robot, &task, &refinement, &mut workspace).expect("a plan");
     });
     let plan = refine(robot, &task, &refinement, &mut workspace).expect("a plan");
+    for max_sweeps in 2..6 {
+        let refinement = Refinement { max_sweeps, ..refinement };
+        let mut w2 = Workspace::<f64, NX, 64>::new();
+        let r = *refine(robot, &task, &refinement, &mut w2).expect("a plan").report();
+        let _ = writeln!(std::io::stderr(), "{} {} {} {} {} {}", r.sweeps, r.evaluations, r.output_rmse, r.output_end_error, r.output_end_velocity_error, r.converged);
+    }
     let report = plan.report();
     let _ = writeln!(
         std::io::stderr(),

@@ -153,13 +153,15 @@ where
     M: DesiredMotion<T, NX> + ?Sized,
 {
     let peaks = peaks(motion);
-    for (field, value) in [("speed bound", bounds.speed), ("acceleration bound", bounds.acceleration)]
+    for (field, value) in
+        [("speed bound", bounds.speed), ("acceleration bound", bounds.acceleration)]
     {
         if !(value > T::zero()) {
             return Err(Error::Invalid { field, value: value.to_f64(), expected: "above 0" });
         }
     }
-    for (quantity, value) in [("desired speed", peaks.speed), ("desired acceleration", peaks.acceleration)]
+    for (quantity, value) in
+        [("desired speed", peaks.speed), ("desired acceleration", peaks.acceleration)]
     {
         if !value.is_finite() {
             return Err(Error::NonFinite { quantity, time: motion.duration().to_f64() });

@@ -44,10 +44,7 @@ impl<'a, T: Ordered, const NX: usize> Waypoints<'a, T, NX> {
     /// # Errors
     ///
     /// As [`with_ends`](Self::with_ends).
-    pub fn new(
-        waypoints: &[Waypoint<T, NX>],
-        knots: &'a mut [Knot<T, NX>],
-    ) -> Result<Self, Error> {
+    pub fn new(waypoints: &[Waypoint<T, NX>], knots: &'a mut [Knot<T, NX>]) -> Result<Self, Error> {
         Self::with_ends(waypoints, [[SVector::zeros(); 4]; 2], knots)
     }
 
@@ -139,8 +136,7 @@ struct PieceResponse<T: Ordered> {
 
 impl<T: Ordered> PieceResponse<T> {
     fn new(duration: T) -> Self {
-        let mut response =
-            Self { free: [[SMatrix::zeros(); 2]; 2], way: [SVector::zeros(); 2] };
+        let mut response = Self { free: [[SMatrix::zeros(); 2]; 2], way: [SVector::zeros(); 2] };
         for of in 0..2 {
             for order in 0..5 {
                 let mut ends = [[SVector::<T, 1>::zeros(); 5]; 2];
@@ -184,9 +180,7 @@ fn high_derivatives<T: Ordered>(
 
 /// Block elimination: derivatives 5 to 8 are continuous at every inner knot.
 fn eliminate<T: Ordered, const NX: usize>(knots: &mut [Knot<T, NX>]) -> Option<()> {
-    let free = |knot: &Knot<T, NX>| {
-        SMatrix::<T, 4, NX>::from_fn(|i, j| knot.derivatives[i + 1][j])
-    };
+    let free = |knot: &Knot<T, NX>| SMatrix::<T, 4, NX>::from_fn(|i, j| knot.derivatives[i + 1][j]);
     for index in 1..knots.len().saturating_sub(1) {
         let [before, here, after] = [knots[index - 1], knots[index], knots[index + 1]];
         let left = PieceResponse::new(here.time - before.time);

@@ -117,7 +117,13 @@ impl<T: Ordered> NelderMead<T> {
             } else {
                 Termination::IterationLimit
             };
-            return Ok(Minimum { point: start, cost: start_cost, start_cost, iterations: 0, termination });
+            return Ok(Minimum {
+                point: start,
+                cost: start_cost,
+                start_cost,
+                iterations: 0,
+                termination,
+            });
         }
         let edge = self.initial_edge * largest(start.iter().copied());
         let edge = if edge > T::zero() { edge } else { self.initial_edge };
@@ -226,7 +232,8 @@ mod tests {
         assert_eq!(ends(NelderMead { max_iterations: 3, ..settings }), Termination::IterationLimit);
         assert_eq!(ends(NelderMead { cost_threshold: 30.0, ..settings }), Termination::SmallCost);
         assert_eq!(ends(NelderMead { step_tolerance: 1.0, ..settings }), Termination::SmallStep);
-        let island = |p: &Matrix2x1<f64>| if p[0] == -1.2 && p[1] == 1.0 { Ok(1.0) } else { Err(()) };
+        let island =
+            |p: &Matrix2x1<f64>| if p[0] == -1.2 && p[1] == 1.0 { Ok(1.0) } else { Err(()) };
         let found = settings.minimise(Matrix2x1::new(-1.2, 1.0), island).unwrap();
         assert_eq!(found.termination, Termination::NonFinite);
     }

@@ -33,11 +33,8 @@ impl<T: Ordered> Basis<T> {
     pub(crate) fn new(spans: usize) -> Self {
         let mut basis = Self { spans, ..Self::empty() };
         for (index, entry) in basis.distinct.iter_mut().enumerate().take(spans) {
-            let span = if spans > DISTINCT && index > DEGREE {
-                spans + index - DISTINCT
-            } else {
-                index
-            };
+            let span =
+                if spans > DISTINCT && index > DEGREE { spans + index - DISTINCT } else { index };
             *entry = span_basis(spans, span);
         }
         basis

@@ -83,19 +83,22 @@ impl<'a, T: Ordered, const NX: usize, const NS: usize> Bounds<'a, T, NX, NS> {
     /// The breach that comes first in time, if there is one.
     pub(crate) fn first_breach(&self, peaks: &Peaks<T, NX, NS>) -> Option<Error> {
         let mut first: Option<(f64, Error)> = None;
-        let mut check = |coordinate: &Coordinate, (lower, upper): (f64, f64), peak: &Extremes<T>| {
-            for (value, time) in [peak.low, peak.high] {
-                let (value, time) = (value.to_f64(), time.to_f64());
-                // What rounding adds to a value at its bound is no breach.
-                let slack = T::epsilon().to_f64() * 8.0;
-                let inside = value >= lower - slack * lower.abs().min(1e300)
-                    && value <= upper + slack * upper.abs().min(1e300);
-                if !inside && first.as_ref().is_none_or(|&(earliest, _)| time < earliest) {
-                    first = Some((time, breach(coordinate, time, value, (lower, upper))));
+        let mut check =
+            |coordinate: &Coordinate, (lower, upper): (f64, f64), peak: &Extremes<T>| {
+                for (value, time) in [peak.low, peak.high] {
+                    let (value, time) = (value.to_f64(), time.to_f64());
+                    // What rounding adds to a value at its bound is no breach.
+                    let slack = T::epsilon().to_f64() * 8.0;
+                    let inside = value >= lower - slack * lower.abs().min(1e300)
+                        && value <= upper + slack * upper.abs().min(1e300);
+                    if !inside && first.as_ref().is_none_or(|&(earliest, _)| time < earliest) {
+                        first = Some((time, breach(coordinate, time, value, (lower, upper))));
+                    }
                 }
-            }
-        };
-        for (coordinate, peak) in self.description.position_coordinates().iter().zip(&peaks.position) {
+            };
+        for (coordinate, peak) in
+            self.description.position_coordinates().iter().zip(&peaks.position)
+        {
             check(coordinate, (coordinate.lower, coordinate.upper), peak);
         }
         let shapes = self.description.shape_coordinates().iter().zip(&peaks.shape);

@@ -6,6 +6,7 @@
 
 mod banded;
 mod basis;
+mod ends;
 mod floor;
 mod gram;
 mod limits;
@@ -13,13 +14,14 @@ mod plan;
 mod problem;
 mod shares;
 mod solve;
+mod sweeps;
 mod task;
 mod window;
 mod workspace;
 
 pub use plan::{RefinedPlan, RefinedReport};
 pub use shares::{Spare, choose_shares};
-pub use solve::refine;
+pub use solve::{refine, refine_with_forces};
 pub use task::{Refinement, Start};
 pub use window::MIN_REFINED_SAMPLES;
 pub use workspace::Workspace;

@@ -127,7 +127,8 @@ where
             let width = knot(index + degree + 1) - knot(index + 1);
             (b - a) * (T::from_f64(degree as f64) / (length * T::from_f64(width as f64)))
         };
-        let point = move |index: usize| self.points.get(index).copied().unwrap_or_else(SVector::zeros);
+        let point =
+            move |index: usize| self.points.get(index).copied().unwrap_or_else(SVector::zeros);
         let first = move |index: usize| slope(index, 7, point(index), point(index + 1));
         (0..spans + 5).map(move |index| {
             let width = knot(index + 8) - knot(index + 2);
@@ -190,14 +191,21 @@ where
         &'s self,
         robot: &'s R,
         refine: usize,
-    ) -> Result<impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, C, T, NX, NS, R>, Error>
+    ) -> Result<
+        impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, C, T, NX, NS, R>,
+        Error,
+    >
     where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
         C: ShapeConstraint<T, NX, NS>,
     {
         if refine == 0 {
             let expected = "at least 1";
-            return Err(Error::Invalid { field: "refinement of the samples", value: 0.0, expected });
+            return Err(Error::Invalid {
+                field: "refinement of the samples",
+                value: 0.0,
+                expected,
+            });
         }
         let count = (self.window.count - 1).saturating_mul(refine).saturating_add(1);
         let step = self.window.length() / T::from_f64((count - 1) as f64);

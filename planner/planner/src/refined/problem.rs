@@ -121,7 +121,8 @@ impl<T: Ordered, const NX: usize, const NS: usize> Node<T, NX, NS> {
     }
 }
 
-pub(crate) type Swept<T, const NX: usize, const NS: usize> = Integrated<Node<T, NX, NS>, SVector<T, NX>>;
+pub(crate) type Swept<T, const NX: usize, const NS: usize> =
+    Integrated<Node<T, NX, NS>, SVector<T, NX>>;
 
 impl<R, M, C, T, const NX: usize, const NS: usize> Problem<'_, R, M, C, T, NX, NS>
 where
@@ -140,8 +141,13 @@ where
         shape
     }
 
-    fn node(&self, index: usize, place: (usize, T), curve: &SpanCurve<T, NX>, exact: bool)
-    -> Node<T, NX, NS> {
+    fn node(
+        &self,
+        index: usize,
+        place: (usize, T),
+        curve: &SpanCurve<T, NX>,
+        exact: bool,
+    ) -> Node<T, NX, NS> {
         let (span, sigma) = place;
         let time = self.window.time(index);
         let u = curve.acceleration(sigma);

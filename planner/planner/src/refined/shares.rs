@@ -138,7 +138,8 @@ where
     fn is_filled(&self, coordinate: &str) -> bool {
         let coordinates = self.robot.shape_description().shape_coordinates();
         let index = coordinates.iter().position(|c| c.name == coordinate).unwrap_or(NS);
-        let within = |set: &&ShapeSet| (set.first..set.first.saturating_add(set.len)).contains(&index);
+        let within =
+            |set: &&ShapeSet| (set.first..set.first.saturating_add(set.len)).contains(&index);
         self.sets.iter().find(within).is_some_and(|set| !self.is_spared(set))
     }
 

@@ -17,6 +17,8 @@ pub struct Start<T: Ordered, const NX: usize, const NS: usize> {
     pub shape: SVector<T, NS>,
     /// q̇_s.
     pub shape_velocity: SVector<T, NS>,
+    /// q̈_s, if it is to be continuous as well, and with it the torque: that of the plan under way.
+    pub shape_acceleration: Option<SVector<T, NS>>,
 }
 
 impl<T: Ordered, const NX: usize, const NS: usize> Start<T, NX, NS> {
@@ -73,7 +75,7 @@ impl<T: Ordered, const NX: usize, const NS: usize> Default for Refinement<T, NX,
             catch_up: None,
             spans: None,
             max_sweeps: 10,
-            tolerance: T::from_f64(5e-5),
+            tolerance: T::from_f64(8e-5),
             limits: None,
         }
     }
@@ -120,7 +122,8 @@ impl<T: Ordered, const NX: usize, const NS: usize> Refinement<T, NX, NS> {
             let finite = is_finite(&start.position)
                 && is_finite(&start.velocity)
                 && is_finite(&start.shape)
-                && is_finite(&start.shape_velocity);
+                && is_finite(&start.shape_velocity)
+                && start.shape_acceleration.as_ref().is_none_or(is_finite);
             if !finite {
                 return Err(Error::NonFiniteMatrix { matrix: "start state" });
             }

@@ -26,8 +26,12 @@ pub(crate) struct Window<T> {
 
 impl<T: Ordered> Window<T> {
     /// Standing times are rounded up to whole sampling intervals.
-    pub(crate) fn new(grid: Grid<T>, standing: [T; 2], spans: Option<usize>, points: usize)
-    -> Result<Self, Error> {
+    pub(crate) fn new(
+        grid: Grid<T>,
+        standing: [T; 2],
+        spans: Option<usize>,
+        points: usize,
+    ) -> Result<Self, Error> {
         if grid.count < MIN_REFINED_SAMPLES {
             return Err(Error::Invalid {
                 field: "samples",
@@ -35,7 +39,8 @@ impl<T: Ordered> Window<T> {
                 expected: "at least 9",
             });
         }
-        let [before, after] = [whole(standing[0] / grid.step())?, whole(standing[1] / grid.step())?];
+        let [before, after] =
+            [whole(standing[0] / grid.step())?, whole(standing[1] / grid.step())?];
         let count = grid.count + before + after;
         let mut window = Self { grid, step: grid.step(), before, count, spans: 4 };
         check_duration(window.length())?;

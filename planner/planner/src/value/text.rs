@@ -138,7 +138,8 @@ where
 {
     let plan = &row.plan;
     write!(out, "{}", plan.time)?;
-    let positions = [plan.desired.output[0], row.output, row.position, row.velocity, row.acceleration];
+    let positions =
+        [plan.desired.output[0], row.output, row.position, row.velocity, row.acceleration];
     let shapes = [plan.shape, plan.shape_velocity, plan.shape_acceleration];
     let positions = positions.iter().flat_map(|v| v.iter());
     let shapes = shapes.iter().flat_map(|v| v.iter());
@@ -161,7 +162,8 @@ where
 pub fn verify_text(text: &str) -> Result<(), FileError> {
     let (version, mark, tail) = if let Some(rest) = text.strip_prefix("# shapebot-plan ") {
         (rest, CSV_MARK, "\n")
-    } else if let Some(rest) = text.strip_prefix("{\n\"format\": \"shapebot-plan\",\n\"version\": ") {
+    } else if let Some(rest) = text.strip_prefix("{\n\"format\": \"shapebot-plan\",\n\"version\": ")
+    {
         (rest, JSON_MARK, "\"\n}\n")
     } else {
         return Err(FileError::NotAPlan);

@@ -72,9 +72,7 @@ pub struct PlanView<'a, T, const NX: usize, const NS: usize, const F: usize> {
     scalar: PhantomData<T>,
 }
 
-impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize>
-    PlanView<'a, T, NX, NS, F>
-{
+impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'a, T, NX, NS, F> {
     /// Scalars of a node: three derivatives of the coordinates, forces and their rates.
     pub(super) const NODE: usize = 3 * NX + 3 * NS + 2 * F;
 
@@ -211,17 +209,10 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize>
     }
 
     /// Cubic through value and rate of two nodes.
-    fn cubic<const D: usize>(
-        &self,
-        node: usize,
-        first: usize,
-        sigma: T,
-        step: T,
-    ) -> SVector<T, D> {
+    fn cubic<const D: usize>(&self, node: usize, first: usize, sigma: T, step: T) -> SVector<T, D> {
         let (two, three) = (T::from_f64(2.0), T::from_f64(3.0));
-        let end = |node: usize| {
-            (self.vector::<D>(node, first), self.vector::<D>(node, first + D) * step)
-        };
+        let end =
+            |node: usize| (self.vector::<D>(node, first), self.vector::<D>(node, first + D) * step);
         let ((a, da), (b, db)) = (end(node), end(node + 1));
         let way = b - a;
         let c2 = way * three - da * two - db;
