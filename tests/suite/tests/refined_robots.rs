@@ -137,7 +137,8 @@ where
         return;
     }
     let task = Task::<_, _, NS>::new(&line, 501).weighting(Weighting::Contributions(&ratios));
-    let (gain, jacobian) = (task.weighting.gain(robot).expect("a gain"), robot.output_jacobian_position());
+    let (gain, jacobian) =
+        (task.weighting.gain(robot).expect("a gain"), robot.output_jacobian_position());
     let column = gain.column(0);
     let lean = column * (5.0_f64.to_radians() / column.dot(&column).sqrt());
     let start = Start {
@@ -164,7 +165,16 @@ where
         let refinement = Refinement { max_sweeps, ..refinement };
         let mut w2 = Workspace::<f64, NX, 64>::new();
         let r = *refine(robot, &task, &refinement, &mut w2).expect("a plan").report();
-        let _ = writeln!(std::io::stderr(), "{} {} {} {} {} {}", r.sweeps, r.evaluations, r.output_rmse, r.output_end_error, r.output_end_velocity_error, r.converged);
+        let _ = writeln!(
+            std::io::stderr(),
+            "{} {} {} {} {} {}",
+            r.sweeps,
+            r.evaluations,
+            r.output_rmse,
+            r.output_end_error,
+            r.output_end_velocity_error,
+            r.converged
+        );
     }
     let report = plan.report();
     let _ = writeln!(

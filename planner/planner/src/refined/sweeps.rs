@@ -37,9 +37,16 @@ where
 {
     let bounds = Bounds::new(problem.robot, refinement.limits.as_ref());
     let coarse = Problem { window: problem.window.thinned(), ..*problem };
-    let mut run =
-        Run { bounds: &bounds, count, refinement, coarse: &coarse, evaluations: 0, sweeps: 0 };
-    let linear = run.linear(workspace)?;
+    let mut run = Run {
+        bounds: &bounds,
+        count,
+        refinement,
+        coarse: &coarse,
+        evaluations: 0,
+        sweeps: 0,
+        linear_rmse: None,
+    };
+    run.linear(workspace)?;
     advance(count, workspace);
     run.approach(workspace)?;
     let (found, converged) = run.finish(problem, workspace)?;
@@ -50,7 +57,7 @@ where
     Ok(RefinedReport {
         output_rmse: root_mean(found.squares, window.count),
         motion_rmse: root_mean(found.motion_squares, window.motion_samples()),
-        linear_rmse: linear,
+        linear_rmse: run.linear_rmse.unwrap_or_else(T::zero),
         output_max_error: found.largest,
         output_end_error: norm(&found.end),
         output_end_velocity_error: norm(&found.end_velocity),
@@ -74,6 +81,8 @@ struct Run<'r, 'p, R: ?Sized, M: ?Sized, C, T: Ordered, const NX: usize, const N
     count: usize,
     evaluations: usize,
     sweeps: usize,
+    /// What Γ makes of the linear fit.
+    linear_rmse: Option<T>,
 }
 
 impl<R, M, C, T, const NX: usize, const NS: usize> Run<'_, '_, R, M, C, T, NX, NS>
@@ -83,17 +92,16 @@ where
     C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
 {
-    /// The step to the fit of a linear robot, and the error it starts from.
+    /// The step to the fit of a linear robot.
     fn linear<const POINTS: usize>(
         &self,
         workspace: &mut Workspace<T, NX, POINTS>,
-    ) -> Result<T, Error> {
+    ) -> Result<(), Error> {
         let mut gradient = [SVector::zeros(); POINTS];
         let nodes = self.coarse.linear_sweep(&workspace.basis, &workspace.points);
         let found = pass(self.coarse, nodes, self.bounds, workspace, &mut gradient)?;
         workspace.gradient = gradient;
-        step(self.coarse, &self.coarse.window, &found, self.count, workspace)?;
-        Ok(root_mean(found.squares, self.coarse.window.count))
+        step(self.coarse, &self.coarse.window, &found, self.count, workspace).map(|_| ())
     }
 
     /// One sweep of Γ and the step it asks for; the largest of that step's effect and the end errors.
@@ -107,6 +115,8 @@ where
         let found = pass(problem, nodes, self.bounds, workspace, &mut gradient)?;
         workspace.gradient = gradient;
         self.sweeps += 1;
+        let rmse = root_mean(found.squares, problem.window.count);
+        self.linear_rmse = self.linear_rmse.or(Some(rmse));
         self.evaluations = self.evaluations.saturating_add(problem.window.count);
         let change = step(problem, &self.coarse.window, &found, self.count, workspace)?;
         let error = larger(larger(change, &found.end), &found.end_velocity);
