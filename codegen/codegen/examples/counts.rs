@@ -35,7 +35,12 @@ fn main() -> std::io::Result<()> {
                     .map(|(name, count)| format!("{name} {}", count.flops()))
                     .collect();
                 let name = format!("{quantity:?}");
-                writeln!(out, "    {name:28} {:5}  {}", function.operations.flops(), others.join(", "))?;
+                writeln!(
+                    out,
+                    "    {name:28} {:5}  {}",
+                    function.operations.flops(),
+                    others.join(", ")
+                )?;
             }
         }
     }

@@ -8,10 +8,15 @@
 //!
 //! and in the crate: `shapebot_dynamics::include_model!("my_robot");`
 
+mod error;
+#[cfg(test)]
+mod tests;
+
+pub use error::BuildError;
+
 use crate::derive::{Derivation, Parameters, Quantity, prove, specialise};
 use crate::emit::{Documentation, Emission, EmittedNames, collection, emit, emitted_names};
 use shapebot_model_dsl::{Diagnostic, model::Model, parse_bytes, render};
-use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -266,161 +271,4 @@ pub fn write_if_changed(path: &Path, text: &str) -> Result<(), BuildError> {
         let _ = std::fs::remove_file(&temporary);
         BuildError::Write { path: path.to_owned(), error }
     })
-}
-
-/// Why nothing was generated. Both `{}` and `{:?}` print messages for a reader, so that
-/// `fn main() -> Result<(), BuildError>` does.
-#[non_exhaustive]
-pub enum BuildError {
-    /// A model file cannot be read.
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        error: io::Error,
-    },
-    /// A model is wrong.
-    Model {
-        /// The file, or the name of the text.
-        path: PathBuf,
-        /// All messages about it, with their places.
-        rendered: String,
-    },
-    /// Two models would make the same module.
-    Duplicate {
-        /// Its name.
-        module: String,
-    },
-    /// A module cannot be written.
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        error: io::Error,
-    },
-    /// Neither `OUT_DIR` nor [`Build::out_dir`] says where to write.
-    NoOutDir,
-    /// Several of these.
-    Several(Vec<Self>),
-}
-
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read { path, error } => {
-                write!(f, "cannot read the model {}: {error}", path.display())
-            }
-            Self::Model { rendered, .. } => f.write_str(rendered.trim_end()),
-            Self::Duplicate { module } => {
-                write!(f, "two models would make the module `{module}`: rename one of the files")
-            }
-            Self::Write { path, error } => write!(f, "cannot write {}: {error}", path.display()),
-            Self::NoOutDir => {
-                f.write_str("no output folder: run from a build script, or set `Build::out_dir`")
-            }
-            Self::Several(errors) => {
-                let texts: Vec<String> = errors.iter().map(Self::to_string).collect();
-                f.write_str(&texts.join("\n\n"))
-            }
-        }
-    }
-}
-
-impl fmt::Debug for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "no robot was generated\n\n{self}")
-    }
-}
-
-impl std::error::Error for BuildError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Read { error, .. } | Self::Write { error, .. } => Some(error),
-            _ => None,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A folder that is removed again.
-    struct Folder(PathBuf);
-
-    impl Folder {
-        fn new(name: &str) -> Self {
-            let path =
-                std::env::temp_dir().join(format!("shapebot-build-{name}-{}", std::process::id()));
-            std::fs::create_dir_all(&path).expect("a folder");
-            Self(path)
-        }
-    }
-
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_dir_all(&self.0);
-        }
-    }
-
-    const CART: &str = "robot Cart {
-    params { m: kg = 1 in 0.1..10; }
-    position x: m;
-    kinetic 1/2*m*(d/dt(x))^2;
-    actuator f on d/dt(x);
-}";
-
-    #[test]
-    fn a_file_that_did_not_change_is_left_alone() {
-        let folder = Folder::new("unchanged");
-        let build = Build::new().text("cart", CART).out_dir(&folder.0);
-        build.generate().expect("generated");
-        let file = folder.0.join("cart.rs");
-        let long_ago = std::time::SystemTime::UNIX_EPOCH;
-        let handle = std::fs::File::options().write(true).open(&file).expect("there");
-        handle.set_modified(long_ago).expect("set");
-        build.generate().expect("generated");
-        assert_eq!(std::fs::metadata(&file).and_then(|m| m.modified()).expect("there"), long_ago);
-        let files = std::fs::read_dir(&folder.0).expect("there").count();
-        assert_eq!(files, 1, "nothing temporary stays");
-    }
-
-    #[test]
-    fn all_wrong_models_are_reported_at_once_with_their_places() {
-        let build = Build::new()
-            .text("first", "robot A {")
-            .text("second", "robot B { nonsense }")
-            .model("absent.robot");
-        let error = build.modules().expect_err("three errors");
-        let text = format!("{error:?}");
-        for part in [
-            "no robot was generated",
-            "first.robot:1",
-            "second.robot:1",
-            "cannot read the model absent.robot",
-        ] {
-            assert!(text.contains(part), "{part} is not in\n{text}");
-        }
-    }
-
-    #[test]
-    fn two_models_of_one_name_are_refused() {
-        let error =
-            Build::new().text("a-b", CART).text("a_b", CART).modules().expect_err("one module");
-        assert!(error.to_string().contains("`a_b`"));
-    }
-
-    #[test]
-    fn a_collection_lists_what_it_includes() {
-        let folder = Folder::new("collection");
-        Build::new()
-            .text("cart", CART)
-            .out_dir(&folder.0)
-            .generate_collection("robots")
-            .expect("generated");
-        let list = std::fs::read_to_string(folder.0.join("robots.rs")).expect("written");
-        assert!(list.contains("include!(concat!(env!(\"OUT_DIR\"), \"/cart.rs\"));"));
-        assert!(list.contains("{ \"cart\", cart, Cart, CartBaked, 1, 1, 0 }"));
-        syn::parse_file(&list).expect("Rust");
-    }
 }

@@ -1,7 +1,8 @@
 //! From an expression graph to a tape: parameters bound, parameter-only values folded, registers of
 //! dead values used again.
 
-use crate::tape::{Input, Instruction, Operation, Register, Source, Tape};
+use crate::order::batched;
+use crate::tape::{Input, Operation, Register, Source, Step, Tape};
 use shapebot_dynamics::Real;
 use shapebot_symbolic::{Graph, Id, Node, Symbol, Unary, nearest, needed};
 use std::collections::BTreeMap;
@@ -25,6 +26,7 @@ pub(crate) fn compile<T: Real>(graph: &Graph, results: &[Id], parameters: &[T]) 
     compiler.fold(&order);
     compiler.place_constants(&order, results);
     compiler.place_inputs(&order);
+    let order = batched(graph, &order, |id| compiler.is_fixed(id));
     compiler.translate(&order, &last_uses(graph, &order, results, size));
     compiler.finish(results)
 }
@@ -59,7 +61,7 @@ struct Compiler<'a, T> {
     register: Vec<Option<Register>>,
     constants: Vec<T>,
     inputs: Vec<Input>,
-    code: Vec<Instruction>,
+    code: Vec<(Operation, Step)>,
     allocator: Allocator,
     pairs: BTreeMap<Id, Pair>,
 }
@@ -128,9 +130,6 @@ impl<T: Real> Compiler<'_, T> {
 
     fn translate(&mut self, order: &[Id], last_use: &[usize]) {
         for (position, &id) in order.iter().enumerate() {
-            if self.is_fixed(id) {
-                continue;
-            }
             let operands = self.graph.node(id).operands();
             let [a, b] = operands.map(|x| x.map_or(0, |x| self.register_of(x)));
             self.release(operands, position, last_use);
@@ -171,7 +170,7 @@ impl<T: Real> Compiler<'_, T> {
         };
         let target = self.allocator.take();
         self.register[id.index()] = Some(target);
-        self.code.push(Instruction { operation, target, left: a, right });
+        self.code.push((operation, Step { target, left: a, right }));
     }
 
     /// Sine and cosine together, as compiled code computes them.
@@ -184,12 +183,12 @@ impl<T: Real> Compiler<'_, T> {
                 None => self.allocator.give_back(register),
             }
         }
-        self.code.push(Instruction { operation: Operation::SinCos, target, left, right });
+        self.code.push((Operation::SinCos, Step { target, left, right }));
     }
 
     fn finish(self, results: &[Id]) -> Tape<T> {
         let outputs = results.iter().map(|&id| self.register_of(id)).collect();
-        Tape::new(self.code, self.inputs, outputs, self.constants, self.allocator.size())
+        Tape::new(&self.code, self.inputs, outputs, self.constants, self.allocator.size())
     }
 }
 

@@ -143,7 +143,7 @@ impl<'m> Origin<'m> {
         let value = match *model.vector(id) {
             Vector::InFrame(ref v) => {
                 let entries = v.entries.map(|e| self.scalar(e));
-                self.to_world(v.frame, entries)
+                self.in_world(v.frame, entries)
             }
             Vector::Sum(ref terms) => terms.iter().fold([Pair::ZERO; 3], |sum, &term| {
                 let term = self.vector(term);
@@ -163,7 +163,7 @@ impl<'m> Origin<'m> {
         value
     }
 
-    fn to_world(&mut self, FrameId(frame): FrameId, mut v: [Pair; 3]) -> [Pair; 3] {
+    fn in_world(&mut self, FrameId(frame): FrameId, mut v: [Pair; 3]) -> [Pair; 3] {
         let model = self.model;
         let mut at = model.frames.get(frame as usize);
         while let Some(frame) = at {

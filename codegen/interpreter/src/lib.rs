@@ -16,6 +16,7 @@ mod describe;
 mod dispatch;
 mod error;
 mod interpreted;
+mod order;
 mod parameters;
 mod tape;
 mod tapes;

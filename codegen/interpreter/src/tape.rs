@@ -25,13 +25,19 @@ pub(crate) enum Operation {
     Atan2,
 }
 
-/// One step of a tape. Operations of one operand repeat it in `right`.
+/// Registers of one step of a tape. Operations of one operand repeat it in `right`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Instruction {
-    pub(crate) operation: Operation,
+pub(crate) struct Step {
     pub(crate) target: Register,
     pub(crate) left: Register,
     pub(crate) right: Register,
+}
+
+/// Steps that do the same, after each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Run {
+    pub(crate) operation: Operation,
+    pub(crate) count: usize,
 }
 
 /// The state that a function is evaluated at. A slice may be empty when the function does not read it.
@@ -81,13 +87,14 @@ pub(crate) struct Input {
     pub(crate) register: Register,
 }
 
-/// A compiled function: instructions over a register file `[constants, inputs, temporaries]`.
+/// A compiled function: steps over a register file `[constants, inputs, temporaries]`.
 ///
 /// The register file is kept between calls, so that a call neither allocates nor sets constants. A
 /// second thread that calls at the same moment works on a copy.
 #[derive(Debug)]
 pub(crate) struct Tape<T> {
-    pub(crate) code: Vec<Instruction>,
+    pub(crate) runs: Vec<Run>,
+    pub(crate) steps: Vec<Step>,
     pub(crate) inputs: Vec<Input>,
     pub(crate) outputs: Vec<Register>,
     pub(crate) constants: Vec<T>,
@@ -97,14 +104,22 @@ pub(crate) struct Tape<T> {
 
 impl<T: Real> Tape<T> {
     pub(crate) fn new(
-        code: Vec<Instruction>,
+        code: &[(Operation, Step)],
         inputs: Vec<Input>,
         outputs: Vec<Register>,
         constants: Vec<T>,
         register_count: usize,
     ) -> Self {
-        let registers = Mutex::new(register_file(&constants, register_count));
-        Self { code, inputs, outputs, constants, register_count, registers }
+        let runs = code.chunk_by(|a, b| a.0 == b.0);
+        Self {
+            runs: runs.map(|run| Run { operation: run[0].0, count: run.len() }).collect(),
+            steps: code.iter().map(|&(_, step)| step).collect(),
+            registers: Mutex::new(register_file(&constants, register_count)),
+            inputs,
+            outputs,
+            constants,
+            register_count,
+        }
     }
 
     /// The first input that a state does not provide.
@@ -127,8 +142,11 @@ impl<T: Real> Tape<T> {
             let value = state.get(input.source, input.index);
             registers[input.register as usize] = value.unwrap_or_else(|| T::from_f64(f64::NAN));
         }
-        for instruction in &self.code {
-            step(registers, *instruction);
+        let mut rest = self.steps.as_slice();
+        for run in &self.runs {
+            let (steps, after) = rest.split_at(run.count);
+            execute(registers, run.operation, steps);
+            rest = after;
         }
         for (position, &register) in self.outputs.iter().enumerate() {
             emit(position, registers[register as usize]);
@@ -147,28 +165,34 @@ fn register_file<T: Real>(constants: &[T], register_count: usize) -> Vec<T> {
     registers
 }
 
-#[inline]
-fn step<T: Real>(registers: &mut [T], instruction: Instruction) {
-    let Instruction { operation, target, left, right } = instruction;
-    let a = registers[left as usize];
-    let b = registers[right as usize];
-    registers[target as usize] = match operation {
-        Operation::Add => a + b,
-        Operation::Sub => a - b,
-        Operation::Mul => a * b,
-        Operation::Div => a / b,
-        Operation::Neg => -a,
+fn execute<T: Real>(registers: &mut [T], operation: Operation, steps: &[Step]) {
+    match operation {
+        Operation::Add => each(registers, steps, |a, b| a + b),
+        Operation::Sub => each(registers, steps, |a, b| a - b),
+        Operation::Mul => each(registers, steps, |a, b| a * b),
+        Operation::Div => each(registers, steps, |a, b| a / b),
+        Operation::Neg => each(registers, steps, |a, _| -a),
         Operation::SinCos => {
-            let (sine, cosine) = a.sin_cos();
-            registers[right as usize] = cosine;
-            sine
+            for step in steps {
+                let (sine, cosine) = registers[step.left as usize].sin_cos();
+                registers[step.target as usize] = sine;
+                registers[step.right as usize] = cosine;
+            }
         }
-        Operation::Sqrt => a.sqrt(),
-        Operation::Exp => a.exp(),
-        Operation::Ln => a.ln(),
-        Operation::Asin => a.asin(),
-        Operation::Acos => a.acos(),
-        Operation::Atan => a.atan(),
-        Operation::Atan2 => a.atan2(b),
-    };
+        Operation::Sqrt => each(registers, steps, |a, _| a.sqrt()),
+        Operation::Exp => each(registers, steps, |a, _| a.exp()),
+        Operation::Ln => each(registers, steps, |a, _| a.ln()),
+        Operation::Asin => each(registers, steps, |a, _| a.asin()),
+        Operation::Acos => each(registers, steps, |a, _| a.acos()),
+        Operation::Atan => each(registers, steps, |a, _| a.atan()),
+        Operation::Atan2 => each(registers, steps, T::atan2),
+    }
+}
+
+#[inline(always)]
+fn each<T: Real>(registers: &mut [T], steps: &[Step], apply: impl Fn(T, T) -> T) {
+    for step in steps {
+        let value = apply(registers[step.left as usize], registers[step.right as usize]);
+        registers[step.target as usize] = value;
+    }
 }

@@ -86,7 +86,7 @@ fn parameters_alone_cost_nothing_per_call() {
     let ratio = graph.div(sine, r);
     let result = graph.mul(ratio, x);
     let tape = compile(&graph, &[result], &[0.3, 1.7]);
-    assert_eq!(tape.code.len(), 1);
+    assert_eq!(tape.steps.len(), 1);
     assert_eq!(tape.constants, [libm_sine(0.3) / 1.7]);
 }
 
@@ -100,8 +100,8 @@ fn sine_and_cosine_of_an_angle_are_one_instruction() {
     let x = graph.symbol(Symbol::Coordinate(0));
     let (sine, cosine) = (graph.sin(x), graph.cos(x));
     let tape = compile::<f64>(&graph, &[cosine, sine], &[]);
-    assert_eq!(tape.code.len(), 1);
-    assert_eq!(tape.code[0].operation, Operation::SinCos);
+    assert_eq!(tape.steps.len(), 1);
+    assert_eq!(tape.runs[0].operation, Operation::SinCos);
     let (s, c) = shapebot_dynamics::Real::sin_cos(0.4);
     assert_eq!(run(&tape), [c, s]);
 }

@@ -174,7 +174,8 @@ fn depends_on(graph: &Graph, order: &[Id], symbols: &[Symbol]) -> HashMap<Id, ()
     let mut wanted = HashMap::new();
     for &id in order {
         let own = matches!(graph.node(id), Node::Symbol(s) if symbols.contains(s));
-        let inherited = graph.node(id).operands().into_iter().flatten().any(|x| wanted.contains_key(&x));
+        let inherited =
+            graph.node(id).operands().into_iter().flatten().any(|x| wanted.contains_key(&x));
         if own || inherited {
             wanted.insert(id, ());
         }

@@ -166,7 +166,9 @@ fn value_of_graph<F: Field>(graph: &Graph, id: Id) -> Option<F> {
         Node::Constant(value) => F::rational(value)?,
         Node::Symbol(Symbol::Coordinate(i)) => F::symbol(*i),
         Node::Add(a, b) => value_of_graph::<F>(graph, *a)?.add(value_of_graph(graph, *b)?),
-        Node::Sub(a, b) => value_of_graph::<F>(graph, *a)?.add(value_of_graph::<F>(graph, *b)?.neg()),
+        Node::Sub(a, b) => {
+            value_of_graph::<F>(graph, *a)?.add(value_of_graph::<F>(graph, *b)?.neg())
+        }
         Node::Mul(a, b) => value_of_graph::<F>(graph, *a)?.mul(value_of_graph(graph, *b)?),
         Node::Div(a, b) => {
             value_of_graph::<F>(graph, *a)?.mul(value_of_graph::<F>(graph, *b)?.inverse()?)

@@ -174,8 +174,9 @@ fn names_follow_their_values() {
     graph.label(sum, "common");
     let (a, b) = (graph.mul(sum, z), graph.mul(sum, sum));
     let (best, ids) = optimise(&graph, &[a, b], Effort::Quick);
-    let named =
-        shapebot_symbolic::needed(&best, &ids, |_| false).into_iter().find_map(|id| best.label_of(id));
+    let named = shapebot_symbolic::needed(&best, &ids, |_| false)
+        .into_iter()
+        .find_map(|id| best.label_of(id));
     assert_eq!(named, Some("common"));
 }
 

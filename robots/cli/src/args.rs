@@ -178,7 +178,7 @@ pub(crate) enum Objective {
 const PLAN_EXAMPLES: &str = "\
 Examples:
   shapebot plan ballbot3d --line 2,0 --duration 5 --svg plan.svg
-  shapebot plan ballbot3d_arms --line 1,1 --duration 6 --weights phi=1,alpha_l=0.5
+  shapebot plan ballbot3d_arms --line 1,1 --duration 6 --weights phi=0.5,alpha_l=0.5
   shapebot plan my.robot --bezier '0,0 0,0 1,0 1,1 1,1' --duration 10 --csv plan.csv";
 
 #[derive(Args, Debug)]
@@ -208,7 +208,8 @@ pub(crate) struct PlanArgs {
     #[arg(long, default_value_t = 501)]
     pub(crate) samples: usize,
 
-    /// Contribution of each shape set, of those named; by default the unactuated sets alone move
+    /// Contributions of shape sets to the acceleration, 1 in sum; sets not named rest. By default the
+    /// set without an actuator does it all, or else the smallest shape is sought
     #[arg(long, value_name = "SET=C,...", value_delimiter = ',', value_parser = assignment)]
     pub(crate) weights: Vec<(String, f64)>,
 

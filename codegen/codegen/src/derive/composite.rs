@@ -4,7 +4,7 @@
 //! beyond it a momentum; its projections onto the elements before it are the entries of M between
 //! them. Coordinates enter through the slopes of hinge angles and point vectors.
 
-use super::recursion::Loads;
+use super::recursion::{Loads, label};
 use super::tree::{Inertia, Tree};
 use super::vector::{self, Vec3};
 use shapebot_symbolic::{Graph, Id};
@@ -85,6 +85,7 @@ fn composites(graph: &mut Graph, tree: &Tree) -> Composites {
                 break;
             }
             if let Some(inertia) = local[p][h].take() {
+                name(graph, &inertia, &tree.hinges[h].name);
                 let turned = turn(graph, tree, h, &inertia);
                 out.by_hinge[h].push((p, inertia));
                 merge(graph, &mut local[p][tree.hinges[h].parent], turned);
@@ -98,6 +99,14 @@ fn composites(graph: &mut Graph, tree: &Tree) -> Composites {
         out.at_point[p] = Some(total);
     }
     out
+}
+
+/// Names the parts of a composite body for the reader.
+fn name(graph: &mut Graph, inertia: &Inertia, of: &str) {
+    label(graph, inertia.moment, "first_moment", of);
+    for (row, axis) in inertia.tensor.iter().zip(["x", "y", "z"]) {
+        label(graph, *row, "inertia", &format!("{of}_{axis}"));
+    }
 }
 
 fn merge(graph: &mut Graph, slot: &mut Option<Inertia>, inertia: Inertia) {

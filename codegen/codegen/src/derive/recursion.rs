@@ -93,9 +93,13 @@ fn spins(lowering: &mut Lowering<'_>, tree: &Tree, motion: &Motion) -> Vec<Spin>
     spins
 }
 
-fn label(graph: &mut Graph, v: Vec3, what: &str, of: &str) {
+/// Names the components of a vector, but for those of parameters alone: their own factors say more.
+pub(crate) fn label(graph: &mut Graph, v: Vec3, what: &str, of: &str) {
     for (component, axis) in v.into_iter().zip(["x", "y", "z"]) {
-        graph.label(component, format!("{what}_{of}_{axis}"));
+        let symbols = shapebot_symbolic::symbols_of(graph, &[component]);
+        if symbols.iter().any(|s| !matches!(s, Symbol::Parameter(_))) {
+            graph.label(component, format!("{what}_{of}_{axis}"));
+        }
     }
 }
 
@@ -173,12 +177,16 @@ fn attachment_load(
     let translation = vector::scale(graph, inertia.mass, a);
     let rotation = vector::apply(graph, &spin.gradient, inertia.moment);
     let force = vector::add(graph, translation, rotation);
+    let name = &tree.hinges[*hinge].name;
+    label(graph, a, "acceleration", name);
+    label(graph, force, "force", name);
     let carried = vector::cross(graph, inertia.moment, a);
     let own = match form {
         BodyForm::Tensor => euler(graph, inertia, spin),
         BodyForm::SecondMoments => second_moments(graph, inertia, spin),
     };
     let moment = vector::add(graph, carried, own);
+    label(graph, moment, "moment", name);
     loads.force(graph, *point, *hinge, force);
     loads.moment(graph, *hinge, moment);
 }
@@ -248,12 +256,16 @@ impl Loads {
                 continue;
             }
             let point = &tree.points[p];
+            let name = &tree.hinges[point.hinge].name;
+            label(graph, force, "load", name);
             let arm = vector::cross(graph, point.vector, force);
+            label(graph, arm, "load_moment", name);
             accumulate(graph, &mut self.moments[point.hinge], arm);
             accumulate(graph, &mut self.forces[point.parent][point.hinge], force);
         }
         for h in (1..tree.hinges.len()).rev() {
             let Some(moment) = self.moments[h] else { continue };
+            label(graph, moment, "total_moment", &tree.hinges[h].name);
             let carried = tree.hinges[h].rotation.to_parent(graph, moment);
             accumulate(graph, &mut self.moments[tree.hinges[h].parent], carried);
         }

@@ -177,6 +177,7 @@ fn helpers() -> [Item; 3] {
         syn::parse_quote! {
             /// A matrix from its columns.
             #[inline(always)]
+            #[allow(dead_code, reason = "not every model needs it")]
             fn columns<T, const R: usize, const C: usize>(columns: [[T; R]; C]) -> SMatrix<T, R, C> {
                 SMatrix::from_array_storage(ArrayStorage(columns))
             }
@@ -184,6 +185,7 @@ fn helpers() -> [Item; 3] {
         syn::parse_quote! {
             /// A vector from its entries.
             #[inline(always)]
+            #[allow(dead_code, reason = "not every model needs it")]
             fn vector<T, const R: usize>(entries: [T; R]) -> SVector<T, R> {
                 SMatrix::from_array_storage(ArrayStorage([entries]))
             }
@@ -191,6 +193,7 @@ fn helpers() -> [Item; 3] {
         syn::parse_quote! {
             /// The entries of a vector.
             #[inline(always)]
+            #[allow(dead_code, reason = "not every model needs it")]
             fn entries<T: Copy, const R: usize>(vector: &SVector<T, R>) -> [T; R] {
                 let [entries] = vector.data.0;
                 entries

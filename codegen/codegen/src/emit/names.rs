@@ -9,6 +9,26 @@ const RESERVED: &[&str] = &[
     "entries", "frame", "point", "actuator",
 ];
 
+/// Types that an emitted module names without a path.
+const RESERVED_TYPES: &[&str] = &[
+    "ArrayStorage",
+    "Clone",
+    "Copy",
+    "Debug",
+    "Default",
+    "Eq",
+    "Err",
+    "Ok",
+    "Params",
+    "PartialEq",
+    "Real",
+    "Result",
+    "SMatrix",
+    "SVector",
+    "Self",
+    "T",
+];
+
 /// An identifier of emitted code from a name of the model: `left.arm` becomes `left_arm`.
 pub(super) fn identifier(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
@@ -34,10 +54,7 @@ pub(super) fn type_name(name: &str) -> String {
             part.chars().next().map_or('X', |c| c.to_ascii_uppercase()).to_string() + &part[1..]
         })
         .collect();
-    match camel.as_str() {
-        "Params" | "Self" => camel + "Robot",
-        _ => camel,
-    }
+    if RESERVED_TYPES.contains(&camel.as_str()) { camel + "Robot" } else { camel }
 }
 
 /// Hands out each name once.
@@ -159,6 +176,7 @@ mod tests {
         assert_eq!(type_name("BallbotWithArms"), "BallbotWithArms");
         assert_eq!(type_name("cart_pole"), "CartPole");
         assert_eq!(type_name("params"), "ParamsRobot");
+        assert_eq!(type_name("Result"), "ResultRobot");
     }
 
     #[test]

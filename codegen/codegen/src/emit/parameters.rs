@@ -32,6 +32,13 @@ pub(super) fn params(model: &Model, symbols: &SymbolNames) -> Vec<Item> {
     } else {
         quote!(let c = T::from_f64; Self { #(#fields: c(#values)),* })
     };
+    let names = symbols.fields.iter();
+    let setter = quote! {
+        match name {
+            #(#names => self.#fields = value,)*
+            _ => { let _ = value; return false; }
+        }
+    };
     let structure: Item = syn::parse_quote! {
         /// Parameters, in SI units.
         #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +49,13 @@ pub(super) fn params(model: &Model, symbols: &SymbolNames) -> Vec<Item> {
             /// The model's own values.
             #[must_use]
             pub fn model() -> Self { #made }
+
+            /// Sets the parameter of that name; false if there is none. What comes of it is judged
+            /// by [`Params::validate`].
+            pub fn set(&mut self, name: &str, value: T) -> bool {
+                #setter
+                true
+            }
         }
     };
     let default: Item = syn::parse_quote! {
@@ -123,6 +137,7 @@ fn requirements(model: &Model, symbols: &SymbolNames) -> Vec<Stmt> {
                 (lower(model, &mut graph, left), lower(model, &mut graph, right))
         {
             let text = docs::one_line(model.text(required.span));
+            let text = text.trim_start_matches("require ").trim_end_matches(';').to_owned();
             found.push((left, comparison, right, text));
         }
     }

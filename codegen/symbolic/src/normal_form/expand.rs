@@ -70,7 +70,9 @@ impl<'a> Expander<'a> {
                 let inverse = self.coefficients.div(one, self.fixed[&b]);
                 add_scaled(&mut self.coefficients, &[], &self.known[&a], inverse)
             }
-            Node::Unary(function @ (Unary::Sin | Unary::Cos), angle) => self.circular(function, angle)?,
+            Node::Unary(function @ (Unary::Sin | Unary::Cos), angle) => {
+                self.circular(function, angle)?
+            }
             ref node => self.atom(node.clone())?,
         };
         self.work = self.work.checked_sub(value.len())?;
@@ -113,7 +115,8 @@ impl<'a> Expander<'a> {
     }
 
     fn atom(&mut self, node: Node) -> Option<Polynomial> {
-        let operands: Vec<usize> = node.operands().into_iter().flatten().map(|x| self.operand(x)).collect();
+        let operands: Vec<usize> =
+            node.operands().into_iter().flatten().map(|x| self.operand(x)).collect();
         let atom = match node {
             Node::Symbol(symbol) => Atom::Given(self.coefficients.symbol(symbol)),
             _ => Atom::Function(node, operands),

@@ -115,7 +115,13 @@ impl Divisors {
         let index = *self.by_key.entry(key).or_insert(fresh);
         if index == fresh {
             let bound = -definition;
-            self.all.push(Divisor { shape, occurrences: Vec::new(), extracted: None, bound, queued: 0 });
+            self.all.push(Divisor {
+                shape,
+                occurrences: Vec::new(),
+                extracted: None,
+                bound,
+                queued: 0,
+            });
         }
         let divisor = &mut self.all[index as usize];
         divisor.occurrences.push(place);

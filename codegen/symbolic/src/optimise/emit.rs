@@ -14,7 +14,8 @@ pub(super) fn emit(system: &System) -> Option<(Graph, Vec<Id>)> {
         coefficients: vec![None; system.coefficients.len()],
     };
     emitter.run()?;
-    let ids = system.roots.iter().map(|&root| emitter.images[root as usize]).collect::<Option<_>>()?;
+    let ids =
+        system.roots.iter().map(|&root| emitter.images[root as usize]).collect::<Option<_>>()?;
     Some((emitter.graph, ids))
 }
 

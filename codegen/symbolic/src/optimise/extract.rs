@@ -17,7 +17,8 @@ const SCALES: usize = 4;
 
 /// Extracts until nothing is saved.
 pub(super) fn extract(system: System, order: Order) -> System {
-    let mut extractor = Extractor { system, divisors: Divisors::new(order), stamps: Vec::new(), stamp: 0 };
+    let mut extractor =
+        Extractor { system, divisors: Divisors::new(order), stamps: Vec::new(), stamp: 0 };
     extractor.note_all();
     extractor.divisors.start();
     while let Some((index, queued)) = extractor.divisors.pop() {
@@ -51,7 +52,9 @@ impl Extractor {
             }
             let reach = if terms.len() > ALL_PAIRS { WINDOW } else { ALL_PAIRS };
             if terms.len() > ALL_PAIRS {
-                terms.sort_by(|&a, &b| self.system.term(a).factors.cmp(&self.system.term(b).factors));
+                terms.sort_by(|&a, &b| {
+                    self.system.term(a).factors.cmp(&self.system.term(b).factors)
+                });
             }
             for (i, &a) in terms.iter().enumerate() {
                 for &b in terms[i + 1..].iter().take(reach) {
@@ -67,7 +70,8 @@ impl Extractor {
         let owner = self.system.term(term).owner;
         let others = self.system.terms_of(owner);
         let reach = if others.len() > ALL_PAIRS { WINDOW } else { ALL_PAIRS };
-        let others: Vec<u32> = others.iter().rev().copied().filter(|&t| t != term).take(reach).collect();
+        let others: Vec<u32> =
+            others.iter().rev().copied().filter(|&t| t != term).take(reach).collect();
         for other in others {
             self.divisors.note_pair(&mut self.system, other, term);
         }
@@ -100,7 +104,8 @@ impl Extractor {
         if divisor.shape != Shape::Pair {
             divisor.occurrences.dedup();
         }
-        divisor.extracted = divisor.extracted.filter(|&(variable, _)| !system.terms_of(variable).is_empty());
+        divisor.extracted =
+            divisor.extracted.filter(|&(variable, _)| !system.terms_of(variable).is_empty());
     }
 
     fn plan(&mut self, index: u32) -> Option<Plan> {
@@ -194,7 +199,8 @@ impl Extractor {
         let (x, y) = (self.system.term(a), self.system.term(b));
         let [common, ..] = split(&x.factors, &y.factors);
         let units = [x, y].map(|term| self.system.is_unit(term.coefficient));
-        let before = multiplications(x.factors.len(), units[0]) + multiplications(y.factors.len(), units[1]);
+        let before =
+            multiplications(x.factors.len(), units[0]) + multiplications(y.factors.len(), units[1]);
         let after = multiplications(common.len() + 1, self.system.is_unit(outer));
         Some(1 + before - after)
     }
@@ -247,7 +253,8 @@ impl Extractor {
     /// Adds a term to a sum that may have one of the same product already.
     fn add_term(&mut self, owner: Variable, coefficient: Id, factors: Vec<Variable>) {
         let system = &mut self.system;
-        let same = system.terms_of(owner).iter().copied().find(|&t| system.term(t).factors == factors);
+        let same =
+            system.terms_of(owner).iter().copied().find(|&t| system.term(t).factors == factors);
         let mut total = coefficient;
         if let Some(same) = same {
             total = system.coefficients.add(system.term(same).coefficient, coefficient);
@@ -264,7 +271,8 @@ impl Extractor {
         for number in self.system.terms_of(variable).to_vec() {
             let term = self.system.term(number);
             let &[inner] = term.factors.as_slice() else { continue };
-            let alone = self.system.uses[inner as usize] == 1 && self.system.terms_of(inner).len() > 1;
+            let alone =
+                self.system.uses[inner as usize] == 1 && self.system.terms_of(inner).len() > 1;
             if !alone || !self.system.is_unit(term.coefficient) {
                 continue;
             }
@@ -342,7 +350,13 @@ impl Extractor {
         }
     }
 
-    fn replace_product(&mut self, place: u32, definition: &[Variable], scale: Id, variable: Variable) {
+    fn replace_product(
+        &mut self,
+        place: u32,
+        definition: &[Variable],
+        scale: Id,
+        variable: Variable,
+    ) {
         let term = self.system.term(place);
         let (owner, coefficient) = (term.owner, term.coefficient);
         let [_, mut factors, missing] = split(&term.factors, definition);

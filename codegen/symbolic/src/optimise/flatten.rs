@@ -149,7 +149,8 @@ impl Flattener<'_> {
 
     /// A factor times a sum, over which it is distributed if that has few enough terms.
     fn distributed(&mut self, factor: (Id, Vec<Variable>), sum: Id, limit: usize) -> Terms {
-        let few = matches!(&self.forms[sum.index()], Some(Form::Open(terms)) if terms.len() <= limit);
+        let few =
+            matches!(&self.forms[sum.index()], Some(Form::Open(terms)) if terms.len() <= limit);
         if few {
             let terms = self.addends(sum, false);
             return terms.iter().map(|term| self.times(&factor, term)).collect();

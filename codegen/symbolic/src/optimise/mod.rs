@@ -123,7 +123,10 @@ impl<'a> Search<'a> {
         let Some((graph, ids)) = candidate else { return };
         let cost = cost(&graph, &ids);
         let same = ids.len() == self.wanted.len()
-            && ids.iter().zip(self.wanted).all(|(&id, &wanted)| self.source.same_value(wanted, &graph, id));
+            && ids
+                .iter()
+                .zip(self.wanted)
+                .all(|(&id, &wanted)| self.source.same_value(wanted, &graph, id));
         if same && cost < self.cost && graph.singular().is_none() {
             (self.graph, self.ids, self.cost) = (graph, ids, cost);
         }

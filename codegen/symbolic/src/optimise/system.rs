@@ -104,7 +104,12 @@ impl System {
     }
 
     /// Adds a term to a sum.
-    pub(super) fn push_term(&mut self, owner: Variable, coefficient: Id, factors: Vec<Variable>) -> u32 {
+    pub(super) fn push_term(
+        &mut self,
+        owner: Variable,
+        coefficient: Id,
+        factors: Vec<Variable>,
+    ) -> u32 {
         let number = self.terms.len() as u32;
         for &factor in &factors {
             self.uses[factor as usize] += 1;

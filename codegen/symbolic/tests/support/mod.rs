@@ -93,7 +93,9 @@ impl Model {
 
     fn slopes(&mut self, value: Id) -> Vec<Id> {
         (0..COORDINATES as u32)
-            .map(|i| Tangent::partial(&self.graph, Symbol::Coordinate(i)).of(&mut self.graph, value))
+            .map(|i| {
+                Tangent::partial(&self.graph, Symbol::Coordinate(i)).of(&mut self.graph, value)
+            })
             .collect()
     }
 
@@ -108,7 +110,14 @@ impl Model {
         }
     }
 
-    fn add_body(&mut self, m: &mut [Vec<Id>], mass: Id, inertia: [Id; 3], position: &Vector, r: &Matrix) {
+    fn add_body(
+        &mut self,
+        m: &mut [Vec<Id>],
+        mass: Id,
+        inertia: [Id; 3],
+        position: &Vector,
+        r: &Matrix,
+    ) {
         for x in position {
             let row = self.slopes(*x);
             self.add_energy(m, mass, &row);
@@ -118,7 +127,12 @@ impl Model {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             let slopes: Vec<Vec<Id>> = (0..3).map(|n| self.slopes(r[n][i])).collect();
             let row: Vec<Id> = (0..COORDINATES)
-                .map(|q| self.dot(&[r[0][j], r[1][j], r[2][j]], &[slopes[0][q], slopes[1][q], slopes[2][q]]))
+                .map(|q| {
+                    self.dot(
+                        &[r[0][j], r[1][j], r[2][j]],
+                        &[slopes[0][q], slopes[1][q], slopes[2][q]],
+                    )
+                })
                 .collect();
             self.add_energy(m, inertia[k], &row);
         }
@@ -151,9 +165,17 @@ impl Model {
         m
     }
 
-    fn add_arm(&mut self, m: &mut [Vec<Id>], ball: &Vector, body: &Matrix, first: u32, right: bool) {
+    fn add_arm(
+        &mut self,
+        m: &mut [Vec<Id>],
+        ball: &Vector,
+        body: &Matrix,
+        first: u32,
+        right: bool,
+    ) {
         let zero = self.graph.zero();
-        let [m_a, l_a, mut d_y, d_z] = ["m_a", "l_a", "d_y", "d_z"].map(|name| self.parameter(name));
+        let [m_a, l_a, mut d_y, d_z] =
+            ["m_a", "l_a", "d_y", "d_z"].map(|name| self.parameter(name));
         let inertia = ["Ixx_a", "Iyy_a", "Izz_a"].map(|name| self.parameter(name));
         if right {
             d_y = self.graph.neg(d_y);
@@ -172,7 +194,8 @@ impl Model {
 
     /// C q̇ by Christoffel symbols: Σⱼₖ (∂ₖMᵢⱼ − ½ ∂ᵢMⱼₖ) q̇ⱼ q̇ₖ.
     pub fn bias(&mut self, m: &[Vec<Id>]) -> Vec<Id> {
-        let rates: Vec<Id> = (0..COORDINATES as u32).map(|i| self.graph.symbol(Symbol::Rate(i))).collect();
+        let rates: Vec<Id> =
+            (0..COORDINATES as u32).map(|i| self.graph.symbol(Symbol::Rate(i))).collect();
         let entry = |i: usize, j: usize| m[i.min(j)][i.max(j)];
         let half = self.graph.fraction(1, 2);
         let mut bias = vec![self.graph.zero(); COORDINATES];

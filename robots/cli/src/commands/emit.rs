@@ -3,8 +3,8 @@
 use crate::args::EmitArgs;
 use crate::failure::{Failure, Outcome};
 use crate::robot;
-use shapebot_codegen::derive::Parameters;
 use shapebot_codegen::build::{emitted, write_if_changed};
+use shapebot_codegen::derive::Parameters;
 use std::io::Write;
 use std::path::Path;
 

@@ -71,29 +71,37 @@ fn describe(task: &PlanTask, motion: &PlannedMotion) -> String {
 
 fn write_summary(to: &mut impl Write, title: &str, motion: &PlannedMotion) -> io::Result<()> {
     let bold = anstyle::Style::new().bold();
-    let unit = motion.description.output_unit;
-    let length = |value: f64| format!("{} {unit}", number::metres(value));
     writeln!(to, "{bold}{title}{bold:#}")?;
-    let mut line = |name: &str, value: String| writeln!(to, "  {name:<14}{value}");
-    line("RMSE", length(motion.output_rmse))?;
-    line("largest error", length(motion.output_max_error))?;
-    line("error at end", length(motion.output_end_error))?;
-    for (coordinate, peak) in motion.description.shape_coordinates().iter().zip(&motion.peak_shape)
-    {
-        line(&format!("peak {}", coordinate.name), angle(coordinate, *peak))?;
-    }
+    let lines = summary(motion);
+    let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    lines.iter().try_for_each(|(name, value)| writeln!(to, "  {name:<width$}  {value}"))
+}
+
+/// Names and values.
+fn summary(motion: &PlannedMotion) -> Vec<(String, String)> {
+    let unit = motion.description.output_unit;
+    let length = |name: &str, value| (name.to_owned(), format!("{} {unit}", number::metres(value)));
+    let shape = motion.description.shape_coordinates();
+    let mut lines = vec![
+        length("RMSE", motion.output_rmse),
+        length("largest error", motion.output_max_error),
+        length("error at end", motion.output_end_error),
+    ];
+    let peaks = shape.iter().zip(&motion.peak_shape);
+    lines.extend(peaks.map(|(c, peak)| (format!("peak {}", c.name), angle(c, *peak))));
     if let Some(weights) = &motion.weights {
-        line("contributions", contributions(motion, weights))?;
+        lines.push(("contributions".to_owned(), contributions(motion, weights)));
     }
-    line("optimiser", optimiser(motion))?;
-    if let Some(along) = &motion.along {
-        line("K · direction", entries(along))?;
-        return Ok(());
+    lines.push(("optimiser".to_owned(), optimiser(motion)));
+    match &motion.along {
+        // Along a line, this is all of K that the task determines.
+        Some(along) => lines.push(("K · direction".to_owned(), entries(along))),
+        None => {
+            let rows = shape.iter().zip(&motion.gain);
+            lines.extend(rows.map(|(c, row)| (format!("K {}", c.name), entries(row))));
+        }
     }
-    for (i, row) in motion.gain.iter().enumerate() {
-        line(if i == 0 { "K" } else { "" }, entries(row))?;
-    }
-    Ok(())
+    lines
 }
 
 fn angle(coordinate: &Coordinate, value: f64) -> String {

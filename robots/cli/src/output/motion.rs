@@ -2,6 +2,8 @@
 
 use super::Json;
 use crate::planning::{PlannedMotion, Row, termination};
+use serde_json::Value;
+use shapebot_dynamics::Coordinate;
 
 /// Every number of a sample, in the order of [`csv_head`].
 fn numbers(row: &Row) -> impl Iterator<Item = f64> + '_ {
@@ -32,41 +34,57 @@ pub(crate) fn csv(motion: &PlannedMotion) -> String {
     let mut text = csv_head(motion).join(",");
     text.push('\n');
     for row in &motion.rows {
-        let cells: Vec<String> = numbers(row).map(|value| value.to_string()).collect();
-        text.push_str(&cells.join(","));
+        text.push_str(&numbers(row).map(cell).collect::<Vec<_>>().join(","));
         text.push('\n');
     }
     text
 }
 
+/// Zero without a sign.
+fn cell(value: f64) -> String {
+    let mut json = Json::default();
+    json.number(value + 0.0);
+    json.into_text()
+}
+
 /// The plan with its gains, figures of merit and samples.
 pub(crate) fn json(motion: &PlannedMotion) -> String {
+    let mut text = String::from("{\n");
+    for (key, value) in members(motion) {
+        text.push_str(&format!("  \"{key}\": {value},\n"));
+    }
+    text + "  \"samples\": [\n" + &samples(motion) + "\n  ]\n}\n"
+}
+
+fn members(motion: &PlannedMotion) -> Vec<(&'static str, Value)> {
     let robot = &motion.description;
-    let matrix = |rows: &[Vec<f64>]| serde_json::json!(rows);
-    let summary = serde_json::json!({
-        "robot": robot.name,
-        "outputs": robot.outputs,
-        "output_unit": robot.output_unit,
-        "position_coordinates": robot.position_coordinates().iter().map(|c| c.name).collect::<Vec<_>>(),
-        "shape_coordinates": robot.shape_coordinates().iter().map(|c| c.name).collect::<Vec<_>>(),
-        "shape_sets": robot.shape_sets.iter().map(|set| set.name).collect::<Vec<_>>(),
-        "contributions": motion.weights,
-        "K": matrix(&motion.gain),
-        "K0": matrix(&motion.initial_gain),
-        "K_along": motion.along,
-        "cost": motion.cost,
-        "cost_at_K0": motion.initial_cost,
-        "output_rmse": motion.output_rmse,
-        "output_max_error": motion.output_max_error,
-        "output_end_error": motion.output_end_error,
-        "peak_shape": motion.peak_shape,
-        "iterations": motion.iterations,
-        "evaluations": motion.evaluations,
-        "termination": termination(motion.termination),
-    });
-    let summary = serde_json::to_string_pretty(&summary).unwrap_or_default();
-    let open = summary.strip_suffix("\n}").unwrap_or(&summary);
-    format!("{open},\n  \"samples\": [\n{}\n  ]\n}}\n", samples(motion))
+    let names = |coordinates: &[Coordinate]| coordinates.iter().map(|c| c.name).collect::<Value>();
+    vec![
+        ("robot", robot.name.into()),
+        ("outputs", robot.outputs.iter().copied().collect()),
+        ("output_unit", robot.output_unit.into()),
+        ("position_coordinates", names(robot.position_coordinates())),
+        ("shape_coordinates", names(robot.shape_coordinates())),
+        ("shape_sets", robot.shape_sets.iter().map(|set| set.name).collect()),
+        ("contributions", motion.weights.as_deref().map(list).into()),
+        ("K", motion.gain.iter().map(|row| list(row)).collect()),
+        ("K0", motion.initial_gain.iter().map(|row| list(row)).collect()),
+        ("K_along", motion.along.as_deref().map(list).into()),
+        ("cost", motion.cost.into()),
+        ("cost_at_K0", motion.initial_cost.into()),
+        ("output_rmse", motion.output_rmse.into()),
+        ("output_max_error", motion.output_max_error.into()),
+        ("output_end_error", motion.output_end_error.into()),
+        ("peak_shape", list(&motion.peak_shape)),
+        ("iterations", motion.iterations.into()),
+        ("evaluations", motion.evaluations.into()),
+        ("termination", termination(motion.termination).into()),
+    ]
+}
+
+/// Zeros without a sign.
+fn list(values: &[f64]) -> Value {
+    values.iter().map(|value| value + 0.0).collect()
 }
 
 /// One line per sample.

@@ -20,6 +20,19 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
+/// Values for people: angles in degrees, four digits.
+pub(crate) fn shown<const N: usize>(unit: &str, values: [f64; N]) -> (&str, [String; N]) {
+    let text = |value: f64| {
+        let text = significant(value, 4);
+        let fraction = text.contains('.') && !text.contains('e');
+        if fraction { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    };
+    match unit {
+        "rad" => ("deg", values.map(|value| text(value.to_degrees()))),
+        _ => (unit, values.map(text)),
+    }
+}
+
 /// A duration in the unit that suits it.
 pub(crate) fn duration(value: Duration) -> String {
     let seconds = value.as_secs_f64();
@@ -32,7 +45,7 @@ pub(crate) fn duration(value: Duration) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{duration, metres, significant};
+    use super::{duration, metres, shown, significant};
     use std::time::Duration;
 
     #[test]
@@ -42,6 +55,8 @@ mod tests {
         assert_eq!(significant(82.162_65, 4), "82.16");
         assert_eq!(significant(-0.001_234_5, 3), "-0.00123");
         assert_eq!(significant(1.5e-9, 3), "1.50e-9");
+        let range = [0.548_558, -30_f64.to_radians(), f64::INFINITY];
+        assert_eq!(shown("rad", range), ("deg", ["31.43", "-30", "inf"].map(str::to_owned)));
         assert_eq!(duration(Duration::from_micros(1520)), "1.52 ms");
     }
 }

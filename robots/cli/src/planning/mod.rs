@@ -7,6 +7,7 @@ pub(crate) use motion::{PlannedMotion, Row, termination};
 pub(crate) use task::{Path, PlanTask};
 
 use crate::failure::{Failure, Outcome};
+use crate::output::number;
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Description, ShapeAccelerated};
 use shapebot_planner::motion::{Bezier, DesiredMotion, Line};
@@ -121,6 +122,13 @@ fn failure(error: Error) -> Failure {
     match error {
         Error::Invalid { .. } | Error::InvalidEntry { .. } | Error::Length { .. } => {
             Failure::usage(error)
+        }
+        Error::OutOfRange { coordinate, unit, time, value, lower, upper } => {
+            let (unit, [value, lower, upper]) = number::shown(unit, [value, lower, upper]);
+            Failure::refused(format!(
+                "`{coordinate}` would be {value} {unit} at t = {time} s, outside of its range {lower} to \
+                 {upper} {unit}: give the motion more time"
+            ))
         }
         _ => Failure::refused(error),
     }

@@ -6,10 +6,10 @@ use std::fmt::Write;
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stroke {
-    /// Solid: what is planned.
-    Solid,
-    /// Dashed: what is desired.
-    Dashed,
+    /// A thin line: what is planned.
+    Line,
+    /// A broad, light line for others to be drawn upon: what is desired.
+    Band,
 }
 
 /// A line.
@@ -19,7 +19,7 @@ pub(crate) struct Series {
     pub(crate) name: String,
     /// Which colour of the palette.
     pub(crate) color: usize,
-    /// Solid or dashed.
+    /// Thin or broad.
     pub(crate) stroke: Stroke,
     /// One value per time.
     pub(crate) values: Vec<f64>,
@@ -53,7 +53,7 @@ const PALETTE: [&str; 7] =
 
 const WIDTH: f64 = 760.0;
 const LEFT: f64 = 80.0;
-const RIGHT: f64 = 170.0;
+const RIGHT: f64 = 150.0;
 const TOP: f64 = 62.0;
 const PANEL: f64 = 170.0;
 const GAP: f64 = 24.0;
@@ -164,8 +164,8 @@ impl Frame {
 impl Series {
     fn attributes(&self) -> String {
         let color = PALETTE[self.color % PALETTE.len()];
-        let dash = if self.stroke == Stroke::Dashed { " stroke-dasharray=\"6 4\"" } else { "" };
-        format!("stroke=\"{color}\"{dash}")
+        let band = if self.stroke == Stroke::Band { " class=\"band\"" } else { "" };
+        format!("stroke=\"{color}\"{band}")
     }
 }
 
@@ -186,7 +186,8 @@ impl Svg {
              .grid {{ stroke: #ddd; stroke-width: 0.8; }}\n\
              .zero {{ stroke: #999; stroke-width: 0.8; }}\n\
              .frame {{ fill: none; stroke: #444; stroke-width: 1; }}\n\
-             polyline {{ fill: none; stroke-width: 1.8; stroke-linejoin: round; }}\n\
+             polyline {{ fill: none; stroke-width: 1.6; stroke-linejoin: round; }}\n\
+             .band {{ stroke-width: 6; stroke-opacity: 0.35; }}\n\
              </style>\n\
              <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
         );
@@ -241,7 +242,7 @@ mod tests {
         let series = Series {
             name: "a<b".into(),
             color: 9,
-            stroke: Stroke::Dashed,
+            stroke: Stroke::Band,
             values: vec![0.0, f64::NAN],
         };
         let panel = Panel { label: "x & y".into(), series: vec![series] };

@@ -34,14 +34,13 @@ fn series(
 }
 
 fn output_panel(motion: &PlannedMotion) -> Panel {
+    // The desired line is drawn first, so that the planned one lies upon it.
     let lines = motion.description.outputs.iter().enumerate().flat_map(|(i, name)| {
+        let desired = move |row: &Row| row.desired[i];
+        let planned = move |row: &Row| row.output[i];
         [
-            series(&motion.rows, format!("{name} planned"), i, Stroke::Solid, move |row| {
-                row.output[i]
-            }),
-            series(&motion.rows, format!("{name} desired"), i + 3, Stroke::Dashed, move |row| {
-                row.desired[i]
-            }),
+            series(&motion.rows, format!("{name} desired"), i, Stroke::Band, desired),
+            series(&motion.rows, format!("{name} planned"), i, Stroke::Line, planned),
         ]
     });
     Panel { label: format!("output [{}]", motion.description.output_unit), series: lines.collect() }
@@ -55,7 +54,7 @@ fn error_panel(motion: &PlannedMotion) -> Panel {
     };
     let lines = motion.description.outputs.iter().enumerate().map(|(i, name)| {
         let error = move |row: &Row| scale * (row.output[i] - row.desired[i]);
-        series(&motion.rows, format!("{name} error"), i, Stroke::Solid, error)
+        series(&motion.rows, format!("{name} error"), i, Stroke::Line, error)
     });
     Panel { label: format!("error [{unit}]"), series: lines.collect() }
 }
@@ -67,10 +66,11 @@ fn shape_panels(motion: &PlannedMotion) -> Vec<Panel> {
     let largest = motion.peak_shape.iter().copied().fold(0.0, f64::max);
     let moves = |i: usize| largest == 0.0 || motion.peak_shape[i] > 1e-9 * largest;
     let mut panels: Vec<Panel> = Vec::new();
-    for (i, coordinate) in coordinates.iter().enumerate().filter(|(i, _)| moves(*i)) {
+    let moving = coordinates.iter().enumerate().filter(|(i, _)| moves(*i));
+    for (color, (i, coordinate)) in moving.enumerate() {
         let (unit, scale) = shown(coordinate);
         let label = format!("shape [{unit}]");
-        let line = series(&motion.rows, coordinate.name.to_owned(), i, Stroke::Solid, |row| {
+        let line = series(&motion.rows, coordinate.name.to_owned(), color, Stroke::Line, |row| {
             scale * row.shape[0][i]
         });
         match panels.iter_mut().find(|panel| panel.label == label) {

@@ -1,14 +1,31 @@
 //! The robots that are compiled in: whatever `shapebot-generated` was generated from.
 
 use super::compiled::{Compiled, Lagrangian};
-use super::{Dynamics, ModelText, interpreted};
+use super::{Dynamics, ModelText};
 use crate::failure::{Failure, Outcome};
+use shapebot_dynamics::Parameter;
+
+/// Parameters by name, with their values.
+type Settings = [(String, f64)];
 
 /// A robot that is compiled in.
 pub(crate) struct Bundled {
     name: &'static str,
-    /// The compiled code with the model's own parameters.
-    model: fn() -> Box<dyn Dynamics>,
+    /// The compiled code with some parameters set, the model's own values for the rest.
+    compiled: fn(&Settings) -> Outcome<Box<dyn Dynamics>>,
+}
+
+/// The parameters of a generated module with some of them set by name.
+macro_rules! parameters {
+    ($module:ident, $robot:ident, $set:expr) => {{
+        let mut parameters = shapebot_generated::$module::Params::<f64>::model();
+        let known = shapebot_generated::$module::DESCRIPTION.parameters;
+        check_names(known, $set)?;
+        for (name, value) in $set {
+            parameters.set(&identifier(name), *value);
+        }
+        shapebot_generated::$module::$robot::try_new(parameters).map_err(Failure::usage)?
+    }};
 }
 
 /// All models as Lagrangian systems.
@@ -16,7 +33,7 @@ macro_rules! systems {
     ($({ $name:literal, $module:ident, $robot:ident, $baked:ident, $n:literal, $nx:literal, $ns:literal })*) => {
         &[$(Bundled {
             name: $name,
-            model: || Box::new(Lagrangian::<_, $n>(shapebot_generated::$module::$robot::<f64>::from_model())),
+            compiled: |set| Ok(Box::new(Lagrangian::<_, $n>(parameters!($module, $robot, set)))),
         }),*]
     };
 }
@@ -26,9 +43,7 @@ macro_rules! robots {
     ($({ $name:literal, $module:ident, $robot:ident, $baked:ident, $n:literal, $nx:literal, $ns:literal })*) => {
         &[$(Bundled {
             name: $name,
-            model: || {
-                Box::new(Compiled::<_, $n, $nx, $ns>(shapebot_generated::$module::$robot::<f64>::from_model()))
-            },
+            compiled: |set| Ok(Box::new(Compiled::<_, $n, $nx, $ns>(parameters!($module, $robot, set)))),
         }),*]
     };
 }
@@ -48,13 +63,9 @@ impl Bundled {
         self.name
     }
 
-    /// The compiled code. Its parameters are fields, which have no names at run time: with some of them
-    /// set, the same model goes through the interpreter.
-    pub(crate) fn dynamics(&self, set: &[(String, f64)]) -> Outcome<Box<dyn Dynamics>> {
-        if set.is_empty() {
-            return Ok((self.model)());
-        }
-        interpreted::open(&self.text()?, set)
+    /// The compiled code with some parameters set.
+    pub(crate) fn dynamics(&self, set: &Settings) -> Outcome<Box<dyn Dynamics>> {
+        (self.compiled)(set)
     }
 
     /// The model's text.
@@ -63,4 +74,22 @@ impl Bundled {
         let text = text.ok_or_else(|| Failure::refused(format!("no text of `{}`", self.name)))?;
         Ok(ModelText { name: format!("{}.robot", self.name), bytes: text.as_bytes().to_vec() })
     }
+}
+
+/// Refuses unknown names and names that are set twice.
+fn check_names(known: &[Parameter], set: &Settings) -> Outcome {
+    for (i, (name, _)) in set.iter().enumerate() {
+        if !known.iter().any(|p| p.name == identifier(name)) {
+            return Err(Failure::unknown("parameter", name, known.iter().map(|p| p.name)));
+        }
+        if set[..i].iter().any(|(other, _)| identifier(other) == identifier(name)) {
+            return Err(Failure::usage(format!("parameter `{name}` is set twice")));
+        }
+    }
+    Ok(())
+}
+
+/// The identifier of a parameter that a file may address by a path: `I_b.xx` is `I_b_xx`.
+fn identifier(name: &str) -> String {
+    name.replace('.', "_")
 }

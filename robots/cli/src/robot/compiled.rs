@@ -1,8 +1,8 @@
 //! Generated code behind the tool's own interface.
 
-use super::Dynamics;
+use super::{Dynamics, not_shape_accelerated};
 use crate::commands::eval::{Field, Results, Selection, State};
-use crate::failure::{Failure, Outcome};
+use crate::failure::Outcome;
 use crate::planning::{self, PlanTask, PlannedMotion};
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Description, LagrangianSystem, Robot, ShapeAccelerated};
@@ -27,10 +27,7 @@ impl<R: LagrangianSystem<f64, N>, const N: usize> Dynamics for Lagrangian<R, N> 
     }
 
     fn plan(&self, _task: &PlanTask) -> Outcome<PlannedMotion> {
-        let name = self.0.description().name;
-        Err(Failure::refused(format!(
-            "`{name}` is not shape-accelerated: `shapebot check {name}` says why"
-        )))
+        Err(not_shape_accelerated(self.0.description().name))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Model files through the interpreter.
 
-use super::{Dynamics, ModelText, derive};
+use super::{Dynamics, ModelText, derive, not_shape_accelerated};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::{Failure, Outcome};
 use crate::planning::{self, PlanTask, PlannedMotion};
@@ -15,7 +15,7 @@ pub(crate) fn open(text: &ModelText, set: &[(String, f64)]) -> Outcome<Box<dyn D
     let derivation = derive(text, Parameters::Symbolic)?;
     let values = parameter_values(&derivation, set)?;
     let tapes = Tapes::new(&derivation, &values).map_err(Failure::usage)?;
-    Ok(Box::new(Interpreted::new(tapes)))
+    Ok(Box::new(Interpreted { name: text.name.clone(), tapes, scratch: RefCell::default() }))
 }
 
 /// Values of all parameters: those set by name, the model's own for the rest.
@@ -39,6 +39,8 @@ fn parameter_values(derivation: &Derivation, set: &[(String, f64)]) -> Outcome<V
 }
 
 struct Interpreted {
+    /// The file, for messages.
+    name: String,
     tapes: Tapes<f64>,
     scratch: RefCell<Scratch>,
 }
@@ -51,10 +53,6 @@ struct Scratch {
 }
 
 impl Interpreted {
-    fn new(tapes: Tapes<f64>) -> Self {
-        Self { tapes, scratch: RefCell::default() }
-    }
-
     /// f = B τ.
     fn force(&self, state: &State, scratch: &mut Scratch) -> Result<(), Error> {
         scratch.force.clear();
@@ -166,6 +164,9 @@ impl Dynamics for Interpreted {
     }
 
     fn plan(&self, task: &PlanTask) -> Outcome<PlannedMotion> {
+        if !self.is_shape_accelerated() {
+            return Err(not_shape_accelerated(&self.name));
+        }
         let tapes = self.tapes.clone();
         with_interpreted!(tapes, |robot| planning::plan(&robot, task)).map_err(Failure::refused)?
     }

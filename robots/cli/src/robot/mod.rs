@@ -57,6 +57,11 @@ pub(crate) fn open(name: &str) -> Outcome<Source> {
     }
 }
 
+/// Why there is no plan.
+fn not_shape_accelerated(name: &str) -> Failure {
+    Failure::refused(format!("`{name}` is not shape-accelerated: `shapebot check {name}` says why"))
+}
+
 impl Source {
     /// The robot with some parameters set: compiled code for a bundled one, the interpreter for a file.
     pub(crate) fn dynamics(&self, parameters: &[(String, f64)]) -> Outcome<Box<dyn Dynamics>> {

@@ -179,11 +179,6 @@ impl Results {
         values
     }
 
-    /// The memory of a field as it is.
-    pub(crate) fn memory(&mut self, field: Field) -> &mut Vec<f64> {
-        &mut self.values[field as usize]
-    }
-
     pub(crate) fn get(&self, field: Field) -> &[f64] {
         &self.values[field as usize]
     }

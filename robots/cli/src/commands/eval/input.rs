@@ -61,6 +61,18 @@ enum Key {
     Other,
 }
 
+impl Key {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Q => "q",
+            Self::Qd => "qd",
+            Self::Qdd => "qdd",
+            Self::Tau => "tau",
+            Self::Other => "",
+        }
+    }
+}
+
 /// serde_json's text, with its line (always the first) left out.
 fn explain(error: &serde_json::Error) -> String {
     let text = error.to_string();
@@ -92,7 +104,8 @@ impl<'de> Visitor<'de> for &mut Input {
             };
             if given.present {
                 return Err(serde::de::Error::custom(format_args!(
-                    "a vector is given twice: {key:?}"
+                    "`{}` is given twice",
+                    key.name()
                 )));
             }
             map.next_value_seed(given)?;

@@ -114,7 +114,8 @@ impl<'a> Evaluation<'a> {
             return Err(format!("longer than {LONGEST_LINE} bytes"));
         }
         let line = std::str::from_utf8(line).map_err(|_| "not UTF-8".to_owned())?;
-        if line.trim_ascii().is_empty() {
+        let line = line.trim_ascii();
+        if line.is_empty() {
             return Ok(None);
         }
         self.input.read(line)?;
