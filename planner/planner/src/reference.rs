@@ -64,7 +64,11 @@ impl<T: Ordered> Grid<T> {
     where
         M: DesiredMotion<T, NX> + ?Sized,
     {
-        check_duration(motion.duration())?;
+        Self::of(count, motion.duration())
+    }
+
+    pub(crate) fn of(count: usize, duration: T) -> Result<Self, Error> {
+        check_duration(duration)?;
         if count < MIN_SAMPLES {
             return Err(Error::Invalid {
                 field: "samples",
@@ -72,7 +76,7 @@ impl<T: Ordered> Grid<T> {
                 expected: "at least 4",
             });
         }
-        Ok(Self { count, duration: motion.duration() })
+        Ok(Self { count, duration })
     }
 
     /// Every `stride`-th sample; the last one among them.

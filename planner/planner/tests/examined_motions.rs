@@ -2,10 +2,10 @@
 
 use nalgebra::{SVector, Vector1, Vector2};
 use shapebot_planner::motion::{
-    Bezier, DesiredMotion, Knot, Legs, Line, MotionPeaks, Rest, Stretched, Transfer, Waypoint,
-    Waypoints, fastest, first_jump, minimum_duration, peaks,
+    Bezier, DesiredMotion, Knot, Legs, Line, MotionPeaks, Rest, Sampled, Stretched, Transfer,
+    Waypoint, Waypoints, fastest, first_jump, minimum_duration, peaks,
 };
-use shapebot_planner::{Error, TwoPhases};
+use shapebot_planner::{Error, TwoPhases, Workspace};
 
 fn line(distance: f64, duration: f64, degree: usize) -> Line<f64, 1> {
     Line::new(Vector1::new(0.0), Vector1::new(distance), duration, degree).expect("a line")
@@ -198,4 +198,42 @@ fn the_minimum_duration_meets_its_bounds() {
     let error = minimum_duration(&arms, senseless).expect_err("refused");
     assert!(matches!(error, Error::Invalid { field: "speed bound", .. }));
     assert!(Stretched::new(arms, 0.0).is_err() && Stretched::new(arms, f64::NAN).is_err());
+}
+
+#[test]
+fn samples_are_fitted_with_a_stated_error() {
+    let line = line(2.0, 5.0, 9);
+    let exact: Vec<_> = (0..=500).map(|i| line.position(5.0 * f64::from(i) / 500.0)).collect();
+    let mut workspace = Workspace::<f64, 1, 40>::new();
+    let curve = Sampled::fit(&exact, 5.0, 25, &mut workspace).expect("a curve");
+    assert!(
+        curve.rmse() < 1e-6 && curve.max_error() < 1e-5,
+        "{} {}",
+        curve.rmse(),
+        curve.max_error()
+    );
+    assert_eq!(first_jump(&curve), None);
+    let noisy: Vec<_> = exact
+        .iter()
+        .enumerate()
+        .map(|(i, x)| x + Vector1::new(1e-3 * (i as f64 * 12.9898).sin()))
+        .collect();
+    let curve = Sampled::fit(&noisy, 5.0, 12, &mut workspace).expect("a curve");
+    assert!(curve.rmse() > 5e-4 && curve.rmse() < 1e-3 && curve.max_error() < 2e-3);
+    for r in 0..4 {
+        assert!(worst_difference(&curve, r) < 1e-3, "{r}: {}", worst_difference(&curve, r));
+    }
+    let found: Vec<f64> = (0..=500)
+        .map(|i| (curve.position(5.0 * f64::from(i) / 500.0) - noisy[i as usize])[0])
+        .collect();
+    let rmse = (found.iter().map(|e| e * e).sum::<f64>() / 501.0).sqrt();
+    assert!((rmse / curve.rmse() - 1.0).abs() < 1e-9);
+    let mut refusal = |samples: &[Vector1<f64>], spans| {
+        Sampled::fit(samples, 5.0, spans, &mut workspace).map(|_| ()).expect_err("refused")
+    };
+    assert!(matches!(refusal(&exact[..8], 4), Error::Invalid { field: "samples", .. }));
+    assert!(matches!(refusal(&exact, 34), Error::Invalid { field: "number of spans", .. }));
+    let mut broken = exact.clone();
+    broken[7][0] = f64::INFINITY;
+    assert!(matches!(refusal(&broken, 9), Error::InvalidEntry { field: "samples", index: 7, .. }));
 }

@@ -2,7 +2,7 @@
 
 use super::{Derivatives, DesiredMotion, Stretched};
 use crate::Error;
-use crate::linear_algebra::norm;
+use crate::linear_algebra::{exceeds, norm};
 use shapebot_dynamics::Ordered;
 
 /// A derivative that is not continuous.
@@ -55,7 +55,7 @@ where
     let half = T::from_f64(0.5);
     loop {
         let size = norm(&(above - below));
-        if !(size > smallest) {
+        if !exceeds(size, smallest) {
             return None;
         }
         let middle = low + (high - low) * half;
@@ -156,7 +156,7 @@ where
     for (field, value) in
         [("speed bound", bounds.speed), ("acceleration bound", bounds.acceleration)]
     {
-        if !(value > T::zero()) {
+        if !exceeds(value, T::zero()) {
             return Err(Error::Invalid { field, value: value.to_f64(), expected: "above 0" });
         }
     }

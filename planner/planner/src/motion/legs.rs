@@ -31,7 +31,7 @@ impl<'a, M: DesiredMotion<T, NX>, T: Ordered, const NX: usize> Legs<'a, M, T, NX
             if let Some(end) = end {
                 let size = T::one() + largest(start.iter().copied());
                 let gap = norm(&(start - end));
-                if !(gap <= size * T::epsilon() * T::from_f64(1024.0)) {
+                if !gap.is_finite() || gap > size * T::epsilon() * T::from_f64(1024.0) {
                     return Err(Error::InvalidEntry {
                         field: "gaps ahead of the legs",
                         index,

@@ -18,6 +18,8 @@ pub use stretched::Stretched;
 pub use transfer::{Rest, Transfer};
 pub use waypoints::{Knot, Waypoint, Waypoints};
 
+pub use crate::refined::Sampled;
+
 use crate::Error;
 use nalgebra::SVector;
 use shapebot_dynamics::Ordered;

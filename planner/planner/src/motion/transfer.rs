@@ -80,7 +80,8 @@ fn powers<T: Ordered, const NX: usize>(
     let mut binomial = T::one();
     for k in 0..DEGREE {
         for i in (k + 1..=DEGREE).rev() {
-            points[i] = points[i] - points[i - 1];
+            let before = points[i - 1];
+            points[i] -= before;
         }
         points[k] *= binomial;
         binomial *= T::from_f64((DEGREE - k) as f64 / (k + 1) as f64);

@@ -1,7 +1,7 @@
 //! Normal equations of a spline: block-banded, factored once, solved in every sweep.
 
 use super::basis::ORDER;
-use crate::linear_algebra::inverse;
+use crate::linear_algebra::{exceeds, inverse};
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::Ordered;
 
@@ -56,7 +56,7 @@ impl<T: Ordered, const NX: usize, const POINTS: usize> Banded<T, NX, POINTS> {
                 diagonal -= lower * scaled.transpose();
                 self.blocks[i][i - j] = lower;
             }
-            if (0..NX).any(|k| !(diagonal[(k, k)] > T::zero())) {
+            if (0..NX).any(|k| !exceeds(diagonal[(k, k)], T::zero())) {
                 return None;
             }
             self.blocks[i][0] = diagonal;

@@ -12,6 +12,7 @@ mod gram;
 mod limits;
 mod plan;
 mod problem;
+mod sampled;
 mod shares;
 mod solve;
 mod sweeps;
@@ -20,8 +21,9 @@ mod window;
 mod workspace;
 
 pub use plan::{RefinedPlan, RefinedReport};
+pub use sampled::Sampled;
 pub use shares::{Spare, choose_shares};
-pub use solve::{refine, refine_with_forces};
+pub use solve::{PlanWithForces, refine, refine_with_forces};
 pub use task::{Refinement, Start};
 pub use window::MIN_REFINED_SAMPLES;
 pub use workspace::Workspace;

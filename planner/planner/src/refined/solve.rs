@@ -57,6 +57,10 @@ where
     Ok(fitted.plan(task, workspace))
 }
 
+/// A refined plan with its forces.
+pub type PlanWithForces<'a, M, C, T, const N: usize, const NX: usize, const NS: usize> =
+    (RefinedPlan<'a, M, C, T, NX, NS>, ForceReport<T, N>);
+
 /// [`refine`], with the forces of the actuators along the plan's samples: those that the description
 /// limits are limits of the plan.
 ///
@@ -79,14 +83,14 @@ pub fn refine_with_forces<
     task: &Task<'a, M, T, NS, C>,
     refinement: &Refinement<T, NX, NS>,
     workspace: &'w mut Workspace<T, NX, POINTS>,
-) -> Result<(RefinedPlan<'w, M, C, T, NX, NS>, ForceReport<T, N>), Error>
+) -> Result<PlanWithForces<'w, M, C, T, N, NX, NS>, Error>
 where
     R: Robot<T, N, NX, NS>,
     M: DesiredMotion<T, NX> + ?Sized,
     C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
 {
-    let (fitted, forces) =
+    let Surveyed { fitted, forces } =
         fit_with_forces(robot, task, refinement, workspace).map_err(|error| {
             with_duration(task, error, |stretched| {
                 fit_with_forces(robot, stretched, refinement, workspace).map(|_| ())
@@ -162,6 +166,20 @@ where
 }
 
 /// A fit, and the forces along it.
+struct Surveyed<
+    'p,
+    R: ?Sized,
+    M: ?Sized,
+    C,
+    T: Ordered,
+    const N: usize,
+    const NX: usize,
+    const NS: usize,
+> {
+    fitted: Fitted<'p, R, M, C, T, NX, NS>,
+    forces: ForceReport<T, N>,
+}
+
 fn fit_with_forces<
     'p,
     R,
@@ -177,7 +195,7 @@ fn fit_with_forces<
     task: &Task<'p, M, T, NS, C>,
     refinement: &Refinement<T, NX, NS>,
     workspace: &mut Workspace<T, NX, POINTS>,
-) -> Result<(Fitted<'p, R, M, C, T, NX, NS>, ForceReport<T, N>), Error>
+) -> Result<Surveyed<'p, R, M, C, T, N, NX, NS>, Error>
 where
     R: Robot<T, N, NX, NS>,
     M: DesiredMotion<T, NX> + ?Sized,
@@ -186,7 +204,7 @@ where
 {
     let fitted = fit(robot, task, refinement, workspace)?;
     let forces = survey_forces(robot, fitted.plan(task, workspace).rows(robot, 1)?)?;
-    Ok((fitted, forces))
+    Ok(Surveyed { fitted, forces })
 }
 
 fn fit<'p, R, M, C, T, const NX: usize, const NS: usize, const POINTS: usize>(

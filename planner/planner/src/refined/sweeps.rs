@@ -8,7 +8,7 @@ use super::window::Window;
 use super::workspace::{SpanCurve, Workspace};
 use crate::Error;
 use crate::constraint::ShapeConstraint;
-use crate::linear_algebra::{is_finite, norm};
+use crate::linear_algebra::{exceeds, is_finite, norm};
 use crate::motion::DesiredMotion;
 use nalgebra::SVector;
 use shapebot_dynamics::{Ordered, ShapeAccelerated};
@@ -134,7 +134,7 @@ where
             advance(self.count, workspace);
             let contraction =
                 previous.map_or(T::from_f64(CONTRACTION), |previous| error / previous);
-            if !(error * contraction > self.refinement.tolerance) {
+            if !exceeds(error * contraction, self.refinement.tolerance) {
                 break;
             }
             previous = Some(error);

@@ -1,6 +1,7 @@
 //! The time that a refined plan covers: the motion, and standing before and after it.
 
 use crate::Error;
+use crate::linear_algebra::exceeds;
 use crate::motion::check_duration;
 use crate::reference::Grid;
 use shapebot_dynamics::Ordered;
@@ -142,7 +143,7 @@ impl<T: Ordered> Window<T> {
     /// The same for any time since the motion's start, limited to the window.
     pub(crate) fn place_at(&self, time: T) -> (usize, T) {
         let position = (time - self.start()) / self.span_length();
-        if !(position > T::zero()) {
+        if !exceeds(position, T::zero()) {
             return (0, T::zero());
         }
         if position >= T::from_f64(self.spans as f64) {

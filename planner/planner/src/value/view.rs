@@ -3,7 +3,7 @@
 use super::FileError;
 use super::binary::{HEADER_BYTES, Header};
 use super::crc::crc32;
-use crate::linear_algebra::norm;
+use crate::linear_algebra::{exceeds, norm};
 use crate::plan::Row;
 use core::marker::PhantomData;
 use nalgebra::SVector;
@@ -140,7 +140,7 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
         let step = T::from_f64(self.header.step);
         let place = (t - self.start_time()) / step;
         let last = self.nodes() - 1;
-        if !(place > T::zero()) {
+        if !exceeds(place, T::zero()) {
             return self.resting(0, t == self.start_time());
         }
         if place >= T::from_f64(last as f64) {
