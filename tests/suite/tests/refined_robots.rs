@@ -43,7 +43,7 @@ fn fine_errors<R, const N: usize, const NX: usize, const NS: usize>(
 where
     R: Robot<f64, N, NX, NS>,
 {
-    let (mut sums, mut counts) = ([0.0; 2], [0.0; 2]);
+    let (mut sums, mut counts) = ([0.0_f64; 2], [0.0_f64; 2]);
     for row in plan.rows(robot, 10).expect("rows") {
         let square = row.output_error().dot(&row.output_error());
         let inside = (0.0..=5.0).contains(&row.plan.time);
@@ -54,7 +54,7 @@ where
             }
         }
     }
-    [0, 1].map(|k| (sums[k] / counts[k] as f64).sqrt())
+    [0, 1].map(|k| (sums[k] / counts[k]).sqrt())
 }
 
 fn fastest(runs: usize, mut run: impl FnMut()) -> Duration {
@@ -161,21 +161,6 @@ where
         refine(robot, &task, &refinement, &mut workspace).expect("a plan");
     });
     let plan = refine(robot, &task, &refinement, &mut workspace).expect("a plan");
-    for max_sweeps in 2..6 {
-        let refinement = Refinement { max_sweeps, ..refinement };
-        let mut w2 = Workspace::<f64, NX, 64>::new();
-        let r = *refine(robot, &task, &refinement, &mut w2).expect("a plan").report();
-        let _ = writeln!(
-            std::io::stderr(),
-            "{} {} {} {} {} {}",
-            r.sweeps,
-            r.evaluations,
-            r.output_rmse,
-            r.output_end_error,
-            r.output_end_velocity_error,
-            r.converged
-        );
-    }
     let report = plan.report();
     let _ = writeln!(
         std::io::stderr(),
