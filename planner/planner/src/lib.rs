@@ -11,6 +11,13 @@
 //! - [`plan`] improves K = K⁰ S by Levenberg-Marquardt ([`LevenbergMarquardt`]) under an
 //!   [`Objective`].
 //! - [`Plan`] evaluates the planned shape at any time, and streams the motion that follows from it.
+//! - [`Constrained`] lets shape sets follow trajectories of their own (Sec. IV-C).
+//!
+//! A constant gain cannot track exactly. [`refine`] goes further: the shape follows a spline of the
+//! virtual acceleration, fitted in a few sweeps of Γ, from any [`Start`] to rest, with a
+//! [`Workspace`] of the caller's. [`choose_shares`] divides the work by limits, [`TwoPhases`] by halves of
+//! the motion, [`survey_forces`] gives the torques, and [`value`] writes a plan as bytes that a
+//! controller evaluates in place.
 //!
 //! The planner works for every type that implements
 //! [`ShapeAccelerated`](shapebot_dynamics::ShapeAccelerated), in single and double precision. It

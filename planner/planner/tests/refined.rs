@@ -2,11 +2,11 @@
 
 mod common;
 
-use common::robots::{CartPole, Equations, Planar, Robot, Spatial, TABLE_I};
-use nalgebra::{SVector, Vector1, Vector2};
+use common::robots::{CartPole, Equations, LinearArms, Planar, Robot, Spatial, TABLE_I};
+use nalgebra::{SMatrix, SVector, Vector1, Vector2};
 use proptest::prelude::*;
 use shapebot_planner::motion::{Bezier, Line, Transfer};
-use shapebot_planner::{Error, Refinement, Start, Task, Workspace, refine};
+use shapebot_planner::{Error, Refinement, Start, Task, Weighting, Workspace, refine};
 use std::io::Write;
 
 fn line<const NX: usize>(distance: f64, duration: f64) -> Line<f64, NX> {
@@ -289,5 +289,33 @@ proptest! {
             }
             Err(error) => prop_assert!(!error.to_string().is_empty()),
         }
+    }
+}
+
+/// τ² zero (a textbook marble maze), negative, and large: Γ is linear, so one sweep confirms the fit.
+#[test]
+fn time_constants_of_any_sign_are_planned_for() {
+    let mut shape_gain = SMatrix::<f64, 2, 6>::zeros();
+    (shape_gain[(0, 5)], shape_gain[(1, 4)]) = (82.0, -82.0);
+    (shape_gain[(0, 1)], shape_gain[(1, 0)]) = (-0.7, 0.7);
+    (shape_gain[(0, 3)], shape_gain[(1, 2)]) = (-0.7, 0.7);
+    let line = Line::new(Vector2::zeros(), Vector2::new(1.5, -1.0), 6.0, 9).expect("a line");
+    let ratios = [0.0, 0.0, 1.0];
+    let task = Task::new(&line, 601).weighting(Weighting::Contributions(&ratios));
+    let mut workspace = Workspace::<f64, 2, 48>::new();
+    for tau_squared in [0.0, -0.05, -0.4, 0.12, 1.0] {
+        let robot = Robot(LinearArms { shape_gain, tau_squared });
+        let plan = refine(&robot, &task, &Refinement::default(), &mut workspace).expect("a plan");
+        let (report, floor) = (plan.report(), plan.floor().expect("a floor"));
+        assert!((plan.time_constant()[(0, 0)] - tau_squared).abs() < 1e-12);
+        assert!(report.converged, "{tau_squared}: {report:?}");
+        // Near the least that is possible, which for −0.4 s² is 9 cm.
+        assert!(
+            report.output_rmse < 2.0 * floor + 1e-5,
+            "{tau_squared}: {} {floor}",
+            report.output_rmse
+        );
+        assert!(report.output_rmse > 0.98 * floor, "{tau_squared}: {} {floor}", report.output_rmse);
+        assert!(report.output_end_error < 1e-4 && report.output_end_velocity_error < 1e-4);
     }
 }

@@ -1,6 +1,6 @@
 //! The ballbot with arms: constraints, two phases, shares, force limits, files.
 
-use nalgebra::{SVector, Vector2};
+use shapebot_dynamics::nalgebra::{SVector, Vector2};
 use shapebot_generated::ballbot3d_arms::Ballbot3dArms;
 use shapebot_planner::motion::{DesiredMotion, Legs, Line, Rest};
 use shapebot_planner::value::{FileError, PlanView, encode, verify_text, write_csv, write_json};

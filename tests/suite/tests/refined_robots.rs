@@ -1,7 +1,7 @@
 //! Refined plans of every bundled robot: errors beside their floor, forces, times, files.
 
-use nalgebra::SVector;
 use shapebot_dynamics::Robot;
+use shapebot_dynamics::nalgebra::SVector;
 use shapebot_planner::motion::{Line, Transfer};
 use shapebot_planner::value::{PlanView, encode, encoded_len};
 use shapebot_planner::{
@@ -237,4 +237,65 @@ fn time_is_linear_in_samples() {
     });
     // Timing on a shared machine: generous.
     assert!(per_sample[3] < 3.0 * per_sample[1], "{per_sample:?}");
+}
+
+/// Numbers between −1 and 1 from a linear congruential generator.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Random tasks and starts, sensible or not: a plan or a reason, never a panic.
+fn survive<R, const N: usize, const NX: usize, const NS: usize>(name: &str, robot: &R)
+where
+    R: Robot<f64, N, NX, NS>,
+{
+    let (mut numbers, mut planned) = (Numbers(7), 0);
+    let reach = table_2(robot);
+    let reach = shapebot_planner::motion::DesiredMotion::position(&reach, 5.0)[0];
+    let mut workspace = Workspace::<f64, NX, 64>::new();
+    for round in 0..200 {
+        let scale = if round % 4 == 0 { 1e3 } else { reach };
+        let goal = SVector::from_fn(|_, _| scale * numbers.next());
+        let duration = 4.0 + 3.9 * numbers.next();
+        let samples = 60 + (50.0 * numbers.next()) as usize;
+        let line = Line::new(SVector::zeros(), goal, duration, 9).expect("a line");
+        let mut refinement = Refinement::default().standing((2.0 * numbers.next()).max(0.0));
+        if round % 3 == 0 {
+            refinement = refinement.start(Start {
+                position: SVector::from_fn(|_, _| reach * numbers.next()),
+                velocity: SVector::from_fn(|_, _| reach * numbers.next()),
+                shape: SVector::from_fn(|_, _| 0.2 * numbers.next()),
+                shape_velocity: SVector::from_fn(|_, _| 0.2 * numbers.next()),
+                shape_acceleration: None,
+            });
+        }
+        match refine(robot, &Task::new(&line, samples), &refinement, &mut workspace) {
+            Ok(plan) => {
+                planned += 1;
+                assert!(plan.report().output_rmse.is_finite(), "{name} {round}");
+                let end = plan.at(plan.end_time());
+                assert!(end.shape.abs().max() < 1e-6, "{name} {round}");
+            }
+            Err(error) => assert!(!error.to_string().is_empty()),
+        }
+    }
+    let _ = writeln!(std::io::stderr(), "{name}: {planned} of 200 random tasks planned");
+    assert!(planned > 20, "{name}: {planned}");
+}
+
+macro_rules! survive_all {
+    ($({ $name:literal, $module:ident, $robot:ident, $baked:ident, $n:literal, $nx:literal, $ns:literal })*) => {
+        $(survive::<_, $n, $nx, $ns>($name, &shapebot_generated::$module::$robot::<f64>::from_model());)*
+    };
+}
+
+#[test]
+fn random_tasks_give_a_plan_or_a_reason() {
+    shapebot_generated::for_each_robot!(survive_all);
 }

@@ -62,10 +62,11 @@ where
         let functions = Homogeneous { squared, constant, start, end };
         let (flat, rate) = self.flat(start);
         // The plan's own end makes up for what Γ adds to the linearised robot's motion.
-        let [goal, goal_rate, ..] = self.map.desired(self.motion.derivatives(end)).position;
+        let desired = |time| self.map.desired(self.motion.derivatives(time)).position;
+        let limits = [desired(start), desired(end)];
         let edges = [
             (flat[axis], rate[axis], functions.at(start)),
-            (goal[axis], goal_rate[axis], functions.at(end)),
+            (limits[1][0][axis], limits[1][1][axis], functions.at(end)),
         ];
         // A constant may be taken off: that of the end at which the function is large.
         let shift = [edges[0].0, edges[1].0];
@@ -81,12 +82,25 @@ where
             let time = self.window.time(index);
             let inner = index > 0 && index + 1 < self.window.count;
             let weight = self.window.step() * T::from_f64(if inner { 1.0 } else { 0.5 });
-            let desired = self.map.desired(self.motion.derivatives(time)).position[0][axis];
+            let desired = desired(time)[0][axis];
             let values = functions.at(time).map(|(value, _)| value);
             for j in 0..2 {
                 known[j] -= weight * values[j] * (desired - shift[j]);
                 for k in 0..2 {
                     gram[(j, k)] += weight * values[j] * values[k];
+                }
+            }
+        }
+        // Euler and Maclaurin's correction of the trapezoidal rule.
+        let correction = self.window.step() * self.window.step() / T::from_f64(12.0);
+        for ((limit, edge), sign) in limits.iter().zip(&edges).zip([T::one(), -T::one()]) {
+            let weight = sign * correction;
+            for j in 0..2 {
+                let (value, rate) = edge.2[j];
+                let slope = limit[1][axis] * value + (limit[0][axis] - shift[j]) * rate;
+                known[j] -= weight * slope;
+                for k in 0..2 {
+                    gram[(j, k)] += weight * (rate * edge.2[k].0 + value * edge.2[k].1);
                 }
             }
         }
