@@ -1,72 +1,75 @@
 //! `shapebot plan`: one motion of one robot.
 
-use crate::args::{self, PlanArgs, Point};
+mod request;
+
+use crate::args::PlanArgs;
 use crate::failure::Outcome;
 use crate::output::{self, number};
-use crate::planning::{Path, PlanTask, PlannedMotion, termination};
+use crate::planning::{Detail, Phase, PlannedMotion};
 use crate::plot;
-use crate::robot;
+use request::Request;
 use shapebot_dynamics::Coordinate;
-use shapebot_planner::Objective;
+use shapebot_tasks::{Motion, Task};
 use std::io::{self, Write};
+use std::path::Path;
+
+pub(crate) use request::task;
 
 pub(crate) fn run(args: &PlanArgs) -> Outcome {
-    let robot = robot::open(&args.robot)?.dynamics(&args.parameters.values)?;
-    let task = task(args);
-    let motion = robot.plan(&task)?;
+    let Request { name, robot, task } = request::request(args)?;
+    let motion = robot.dynamics(&args.parameters.values)?.plan(&task)?;
     let mut stdout = anstream::stdout().lock();
-    let title = format!("{}: {}", motion.description.name, describe(&task, &motion));
+    let title = task.title.clone();
+    let title = title
+        .unwrap_or_else(|| format!("{}: {}", motion.description.name, describe(&task, &motion)));
     write_summary(&mut stdout, &title, &motion)?;
-    let files =
-        [(&args.csv, output::csv as fn(&PlannedMotion) -> String), (&args.json, output::json)];
-    for (path, text) in files {
-        if let Some(path) = path {
-            output::write_file(path, &text(&motion))?;
-            writeln!(stdout, "wrote {}", path.display())?;
-        }
+    let mut write = |path: &Path, text: &[u8]| -> Outcome {
+        output::write_file(path, text)?;
+        Ok(writeln!(stdout, "wrote {}", path.display())?)
+    };
+    if let Some(path) = &args.csv {
+        write(path, output::csv(&motion).as_bytes())?;
     }
+    if let Some(path) = &args.json {
+        write(path, output::json(&motion).as_bytes())?;
+    }
+    let figure = || plot::motion_figure(&motion, &title).svg();
     if let Some(path) = &args.svg {
-        output::write_file(path, &plot::motion_figure(&motion, &title).svg())?;
-        writeln!(stdout, "wrote {}", path.display())?;
+        write(path, figure().as_bytes())?;
+    }
+    if let Some(folder) = &args.output {
+        let files = &motion.files;
+        write(&folder.join(format!("{name}.csv")), files.csv.as_bytes())?;
+        write(&folder.join(format!("{name}.json")), files.json.as_bytes())?;
+        write(&folder.join(format!("{name}.plan")), &files.binary)?;
+        write(&folder.join(format!("{name}.report.json")), output::report(&motion).as_bytes())?;
+    }
+    if args.plot {
+        let folder = args.output.as_deref().unwrap_or(Path::new(""));
+        write(&folder.join(format!("{name}.svg")), figure().as_bytes())?;
     }
     Ok(())
 }
 
-fn task(args: &PlanArgs) -> PlanTask {
-    let entries = |point: &Point| point.0.clone();
-    let path = match (&args.line, &args.bezier) {
-        (Some(goal), _) => Path::Line { goal: entries(goal), degree: args.degree },
-        (None, points) => {
-            let points = points.iter().flat_map(|points| points.0.iter().map(entries));
-            Path::Bezier { points: points.collect() }
-        }
-    };
-    PlanTask {
-        path,
-        duration: args.duration,
-        samples: args.samples,
-        weights: args.weights.clone(),
-        objective: match args.objective {
-            args::Objective::Position => Objective::Output,
-            args::Objective::Acceleration => Objective::Acceleration,
-            args::Objective::Coordinates => Objective::Position,
-        },
-    }
-}
-
 /// The task in words.
-fn describe(task: &PlanTask, motion: &PlannedMotion) -> String {
+fn describe(task: &Task, motion: &PlannedMotion) -> String {
     let unit = motion.description.output_unit;
-    let path = match &task.path {
-        Path::Line { goal, degree } => {
-            let goal: Vec<String> = goal.iter().map(f64::to_string).collect();
+    let path = match &task.motion.value {
+        Motion::Line { goal, degree, duration } => {
+            let goal: Vec<String> = goal.value.values.iter().map(f64::to_string).collect();
             let goal =
                 if goal.len() == 1 { goal.join("") } else { format!("({})", goal.join(", ")) };
-            format!("line to {goal} {unit}, degree {degree}")
+            format!("line to {goal} {unit}, degree {degree}, {duration} s")
         }
-        Path::Bezier { points } => format!("Bézier curve, {} control points", points.len()),
+        Motion::Bezier { points, duration } => {
+            format!("Bézier curve, {} control points, {duration} s", points.len())
+        }
+        Motion::Waypoints(points) => format!("{} waypoints", points.len()),
+        Motion::Rest { duration } => format!("standing for {duration} s"),
+        Motion::Legs(legs) => format!("{} legs", legs.len()),
+        Motion::TwoPhases { duration, .. } => format!("two phases, {duration} s"),
     };
-    format!("{path}, {} s, {} samples", task.duration, task.samples)
+    format!("{path}, {} samples", task.samples)
 }
 
 fn write_summary(to: &mut impl Write, title: &str, motion: &PlannedMotion) -> io::Result<()> {
@@ -82,23 +85,48 @@ fn summary(motion: &PlannedMotion) -> Vec<(String, String)> {
     let unit = motion.description.output_unit;
     let length = |name: &str, value| (name.to_owned(), format!("{} {unit}", number::metres(value)));
     let shape = motion.description.shape_coordinates();
-    let mut lines = vec![
-        length("RMSE", motion.output_rmse),
-        length("largest error", motion.output_max_error),
-        length("error at end", motion.output_end_error),
-    ];
+    let mut lines = vec![("method".to_owned(), output::method(motion.method).to_owned())];
+    lines.push(length("RMSE", motion.output_rmse));
+    lines.extend(motion.floor.map(|floor| length("floor", floor)));
+    lines.push(length("largest error", motion.output_max_error));
+    lines.push(length("error at end", motion.output_end_error));
     let peaks = shape.iter().zip(&motion.peak_shape);
     lines.extend(peaks.map(|(c, peak)| (format!("peak {}", c.name), angle(c, *peak))));
-    if let Some(weights) = &motion.weights {
+    lines.push(("planning time".to_owned(), number::duration(motion.elapsed)));
+    for phase in &motion.phases {
+        lines.extend(phase_summary(motion, phase));
+    }
+    lines
+}
+
+fn phase_summary(motion: &PlannedMotion, phase: &Phase) -> Vec<(String, String)> {
+    let mut lines = Vec::new();
+    if let Some(weights) = &phase.weights {
         lines.push(("contributions".to_owned(), contributions(motion, weights)));
     }
-    lines.push(("optimiser".to_owned(), optimiser(motion)));
-    match &motion.along {
-        // Along a line, this is all of K that the task determines.
-        Some(along) => lines.push(("K · direction".to_owned(), entries(along))),
-        None => {
-            let rows = shape.iter().zip(&motion.gain);
-            lines.extend(rows.map(|(c, row)| (format!("K {}", c.name), entries(row))));
+    let ended = phase.detail.termination();
+    match &phase.detail {
+        Detail::Gain(gain) => {
+            let (steps, evaluations) = (gain.iterations, gain.evaluations);
+            let text = format!("{ended}, {steps} steps, {evaluations} evaluations of Γ");
+            lines.push(("optimiser".to_owned(), text));
+            lines.extend(gain.warning.iter().map(|text| ("warning".to_owned(), text.clone())));
+            match &gain.along {
+                // Along a line, this is all of K that the task determines.
+                Some(along) => lines.push(("K · direction".to_owned(), entries(along))),
+                None => {
+                    let shape = motion.description.shape_coordinates();
+                    let rows = shape.iter().zip(&phase.gain);
+                    lines.extend(rows.map(|(c, row)| (format!("K {}", c.name), entries(row))));
+                }
+            }
+        }
+        Detail::Refined(refined) => {
+            let (sweeps, spans) = (refined.sweeps, refined.spans);
+            let evaluations = refined.evaluations;
+            let text =
+                format!("{ended}, {sweeps} sweeps, {spans} spans, {evaluations} evaluations of Γ");
+            lines.push(("sweeps".to_owned(), text));
         }
     }
     lines
@@ -116,16 +144,6 @@ fn contributions(motion: &PlannedMotion, weights: &[f64]) -> String {
     let pairs = motion.description.shape_sets.iter().zip(weights);
     let moving = pairs.filter(|(_, weight)| **weight != 0.0);
     moving.map(|(set, weight)| format!("{} {weight}", set.name)).collect::<Vec<_>>().join(", ")
-}
-
-fn optimiser(motion: &PlannedMotion) -> String {
-    format!(
-        "{}, {} steps, {} evaluations of Γ, {}",
-        termination(motion.termination),
-        motion.iterations,
-        motion.evaluations,
-        number::duration(motion.elapsed)
-    )
 }
 
 fn entries(values: &[f64]) -> String {
