@@ -64,6 +64,25 @@ pub enum Error {
         /// When along the motion, seconds.
         time: f64,
     },
+    /// Every shape set follows a trajectory of its own: none is left to move the robot.
+    NoFreeShapeSet,
+    /// A refined plan leaves a coordinate's declared range or a limit of the task.
+    LimitExceeded {
+        /// Name of the coordinate or actuator.
+        coordinate: &'static str,
+        /// Its unit.
+        unit: &'static str,
+        /// When, seconds since the motion's start: its extreme.
+        time: f64,
+        /// The planned value.
+        value: f64,
+        /// Smallest admissible value.
+        lower: f64,
+        /// Largest admissible value.
+        upper: f64,
+        /// A duration of the desired motion with which the plan keeps its limits, seconds.
+        duration: Option<f64>,
+    },
     /// The plan leaves the range that the model declares for a coordinate.
     OutOfRange {
         /// Name of the coordinate.
@@ -79,6 +98,19 @@ pub enum Error {
         /// Largest declared value.
         upper: f64,
     },
+}
+
+impl Error {
+    /// The error with a duration that would do, if it can have one.
+    pub(crate) fn with_duration(self, seconds: f64) -> Self {
+        match self {
+            Self::LimitExceeded { coordinate, unit, time, value, lower, upper, duration: _ } => {
+                let duration = Some(seconds);
+                Self::LimitExceeded { coordinate, unit, time, value, lower, upper, duration }
+            }
+            other => other,
+        }
+    }
 }
 
 impl fmt::Display for Error {
@@ -104,6 +136,20 @@ impl fmt::Display for Error {
             Self::NonFiniteMatrix { matrix } => write!(f, "the {matrix} is not finite"),
             Self::NonFinite { quantity, time } => {
                 write!(f, "the {quantity} is not finite at t = {time} s")
+            }
+            Self::NoFreeShapeSet => {
+                write!(f, "every shape set is constrained: at least one must be free")
+            }
+            Self::LimitExceeded { coordinate, unit, time, value, lower, upper, duration } => {
+                write!(
+                    f,
+                    "`{coordinate}` is planned to {value} {unit} at t = {time} s, \
+                     outside its limits {lower} to {upper} {unit}"
+                )?;
+                match duration {
+                    Some(duration) => write!(f, "; a motion of {duration} s would do"),
+                    None => Ok(()),
+                }
             }
             Self::OutOfRange { coordinate, unit, time, value, lower, upper } => write!(
                 f,

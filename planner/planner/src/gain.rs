@@ -40,18 +40,38 @@ impl<T: Ordered, const NS: usize> Weighting<'_, T, NS> {
     where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
     {
-        let shape_gain = robot.shape_gain();
+        self.free_gain(robot, |_| false)
+    }
+
+    /// The same with the rows of constrained coordinates zero: the free ones do all the work.
+    pub(crate) fn free_gain<const NX: usize, R>(
+        &self,
+        robot: &R,
+        held: impl Fn(usize) -> bool,
+    ) -> Result<SMatrix<T, NS, NX>, Error>
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    {
+        let mut shape_gain = robot.shape_gain();
         if !is_finite(&shape_gain) {
             return Err(Error::NonFiniteMatrix { matrix: "shape gain" });
+        }
+        for index in (0..NS).filter(|&index| held(index)) {
+            shape_gain.column_mut(index).fill(T::zero());
         }
         let singular = Error::Singular { matrix: "weighted shape gain" };
         match self {
             Self::MinimumNorm => pseudo_inverse(&shape_gain).ok_or(singular),
             Self::Contributions(ratios) => {
-                by_contributions(&shape_gain, ratios, robot.shape_description().shape_sets)
+                let sets = robot.shape_description().shape_sets;
+                check_held(ratios, sets, held)?;
+                by_contributions(&shape_gain, ratios, sets)
             }
             Self::Matrix(weight) => {
                 check_weight(weight)?;
+                let weight = SMatrix::<T, NS, NS>::from_fn(|i, j| {
+                    if held(i) || held(j) { T::zero() } else { weight[(i, j)] }
+                });
                 pseudo_inverse(&(shape_gain * weight)).map(|p| weight * p).ok_or(singular)
             }
         }
@@ -79,6 +99,25 @@ fn by_contributions<T: Ordered, const NX: usize, const NS: usize>(
         }
     }
     Ok(gain)
+}
+
+/// A constrained set cannot contribute.
+fn check_held<T: Ordered>(
+    ratios: &[T],
+    sets: &[ShapeSet],
+    held: impl Fn(usize) -> bool,
+) -> Result<(), Error> {
+    for (index, (set, ratio)) in sets.iter().zip(ratios).enumerate() {
+        if held(set.first) && *ratio != T::zero() {
+            return Err(Error::InvalidEntry {
+                field: "contributions",
+                index,
+                value: ratio.to_f64(),
+                expected: "0 for a constrained shape set",
+            });
+        }
+    }
+    Ok(())
 }
 
 /// A set that contributes has n_x coordinates, all of them in q_s.

@@ -50,6 +50,7 @@ pub(crate) struct DoubleIntegral<T, S: Accelerated<T>, F> {
     source: F,
     count: usize,
     step: T,
+    /// Sample i of the window is at i modulo 4.
     window: [S; 4],
     /// Index of the window's first sample.
     first: usize,
@@ -77,10 +78,10 @@ impl<T: Ordered, S: Accelerated<T>, F: FnMut(usize) -> S> DoubleIntegral<T, S, F
         let twice = self.step * self.step / T::from_f64(360.0);
         let mut position = self.position.plus(self.step, &self.velocity);
         let mut velocity = self.velocity;
-        for (k, sample) in self.window.iter().enumerate() {
-            position =
-                position.plus(twice * T::from_f64(TWICE[interval][k]), sample.acceleration());
-            velocity = velocity.plus(once * T::from_f64(ONCE[interval][k]), sample.acceleration());
+        for k in 0..4 {
+            let acceleration = self.window[(self.first + k) % 4].acceleration();
+            position = position.plus(twice * T::from_f64(TWICE[interval][k]), acceleration);
+            velocity = velocity.plus(once * T::from_f64(ONCE[interval][k]), acceleration);
         }
         self.position = position;
         self.velocity = velocity;
@@ -100,13 +101,12 @@ impl<T: Ordered, S: Accelerated<T>, F: FnMut(usize) -> S> Iterator for DoubleInt
             let stencil = node.saturating_sub(2).min(self.count.saturating_sub(MIN_SAMPLES));
             if stencil > self.first {
                 self.first = stencil;
-                self.window =
-                    [self.window[1], self.window[2], self.window[3], (self.source)(stencil + 3)];
+                self.window[(stencil + 3) % 4] = (self.source)(stencil + 3);
             }
             self.advance((node - 1 - self.first).min(2));
         }
         self.next += 1;
-        let sample = self.window[(node - self.first).min(3)];
+        let sample = self.window[node % 4];
         Some(Integrated { sample, velocity: self.velocity, position: self.position })
     }
 

@@ -11,6 +11,13 @@
 //! - [`plan`] improves K = K⁰ S by Levenberg-Marquardt ([`LevenbergMarquardt`]) under an
 //!   [`Objective`].
 //! - [`Plan`] evaluates the planned shape at any time, and streams the motion that follows from it.
+//! - [`Constrained`] lets shape sets follow trajectories of their own (Sec. IV-C).
+//!
+//! A constant gain cannot track exactly. [`refine`] goes further: the shape follows a spline of the
+//! virtual acceleration, fitted in a few sweeps of Γ, from any [`Start`] to rest, with a
+//! [`Workspace`] of the caller's. [`choose_shares`] divides the work by limits, [`TwoPhases`] by halves of
+//! the motion, [`survey_forces`] gives the torques, and [`value`] writes a plan as bytes that a
+//! controller evaluates in place.
 //!
 //! The planner works for every type that implements
 //! [`ShapeAccelerated`](shapebot_dynamics::ShapeAccelerated), in single and double precision. It
@@ -127,6 +134,8 @@
 #[cfg(test)]
 extern crate std;
 
+mod bounds;
+mod constraint;
 mod error;
 mod gain;
 mod integrate;
@@ -134,19 +143,33 @@ mod linear_algebra;
 pub mod motion;
 mod objective;
 pub mod optimise;
+mod phases;
 mod plan;
 mod planner;
 mod reference;
+pub mod refined;
+mod report;
+mod torque;
+pub mod value;
 
 #[cfg(test)]
 #[path = "../tests/common/mod.rs"]
 mod common;
 
+pub use bounds::{AccelerationBound, acceleration_bound, constant_acceleration};
+pub use constraint::{Constrained, SetMotion, ShapeConstraint, Unconstrained};
 pub use error::Error;
 pub use gain::Weighting;
 pub use integrate::MIN_SAMPLES;
 pub use objective::Objective;
-pub use optimise::{LevenbergMarquardt, Termination};
-pub use plan::{Plan, PlanPoint, Report, Row};
-pub use planner::{Task, plan};
+pub use optimise::{LevenbergMarquardt, NelderMead, Optimiser, Termination};
+pub use phases::TwoPhases;
+pub use plan::{Plan, PlanPoint, Row};
+pub use planner::{Parametrisation, Task, plan};
 pub use reference::Desired;
+pub use refined::{
+    RefinedPlan, RefinedReport, Refinement, Spare, Start, Workspace, choose_shares, refine,
+    refine_with_forces,
+};
+pub use report::{Report, Warning};
+pub use torque::{ForceReport, actuator_force, generalised_force, survey_forces};

@@ -1,11 +1,12 @@
 //! What the gain is chosen to minimise, and its linearisation.
 
 use crate::Error;
+use crate::constraint::ShapeConstraint;
 use crate::integrate::{Accelerated, DoubleIntegral, Integrated, Linear};
-use crate::linear_algebra::column;
+use crate::linear_algebra::{column, largest, solve};
 use crate::motion::DesiredMotion;
 use crate::optimise::NormalEquations;
-use crate::plan::PlanPoint;
+use crate::plan::{self, PlanPoint};
 use crate::reference::{Desired, Grid, OutputMap};
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Ordered, ShapeAccelerated};
@@ -25,44 +26,48 @@ pub enum Objective {
     Acceleration,
 }
 
-/// The choice of S in K = K⁰ S that minimises the objective.
+/// The choice of X in K = D X that minimises the objective.
 ///
-/// With S square of size n_x the shape sets keep the proportions that K⁰ gives them, however many
-/// there are; free entries of K would lose the weights.
+/// With D = K⁰ and X = S square of size n_x the shape sets keep the proportions that K⁰ gives them,
+/// however many there are; with D the identity on the rows that K⁰ uses, X is K itself.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GainProblem<
     'a,
     R: ?Sized,
     M: ?Sized,
+    C,
     T: Ordered,
     const NX: usize,
     const NS: usize,
+    const P: usize,
 > {
     pub(crate) robot: &'a R,
     pub(crate) motion: &'a M,
+    pub(crate) constraint: C,
     pub(crate) map: OutputMap<T, NX>,
     pub(crate) grid: Grid<T>,
-    pub(crate) initial_gain: SMatrix<T, NS, NX>,
+    /// D.
+    pub(crate) directions: SMatrix<T, NS, P>,
     pub(crate) objective: Objective,
 }
 
-/// A vector with its derivatives by the entries of S: `by_factor[i][j]` is ∂/∂S_ij.
+/// A vector with its derivatives by the entries of X: `by_factor[i][j]` is ∂/∂X_ij.
 #[derive(Clone, Copy, Debug)]
-struct Sensitive<T: Ordered, const NX: usize> {
+struct Sensitive<T: Ordered, const NX: usize, const P: usize> {
     value: SVector<T, NX>,
-    by_factor: ByFactor<T, NX>,
+    by_factor: ByFactor<T, NX, P>,
 }
 
-type ByFactor<T, const NX: usize> = [[SVector<T, NX>; NX]; NX];
+type ByFactor<T, const NX: usize, const P: usize> = [[SVector<T, NX>; NX]; P];
 
-impl<T: Ordered, const NX: usize> Sensitive<T, NX> {
-    /// A vector that does not depend on S.
+impl<T: Ordered, const NX: usize, const P: usize> Sensitive<T, NX, P> {
+    /// A vector that does not depend on X.
     fn constant(value: SVector<T, NX>) -> Self {
-        Self { value, by_factor: [[SVector::zeros(); NX]; NX] }
+        Self { value, by_factor: [[SVector::zeros(); NX]; P] }
     }
 }
 
-impl<T: Ordered, const NX: usize> Linear<T> for Sensitive<T, NX> {
+impl<T: Ordered, const NX: usize, const P: usize> Linear<T> for Sensitive<T, NX, P> {
     fn plus(mut self, factor: T, other: &Self) -> Self {
         self.value += other.value * factor;
         for (row, others) in self.by_factor.iter_mut().zip(&other.by_factor) {
@@ -76,34 +81,72 @@ impl<T: Ordered, const NX: usize> Linear<T> for Sensitive<T, NX> {
 
 /// One sample of the plan under trial.
 #[derive(Clone, Copy, Debug)]
-struct Sample<T: Ordered, const NX: usize, const NS: usize> {
+struct Sample<T: Ordered, const NX: usize, const NS: usize, const P: usize> {
     plan: PlanPoint<T, NX, NS>,
-    acceleration: Sensitive<T, NX>,
+    acceleration: Sensitive<T, NX, P>,
 }
 
-impl<T: Ordered, const NX: usize, const NS: usize> Accelerated<T> for Sample<T, NX, NS> {
-    type Acceleration = Sensitive<T, NX>;
+impl<T: Ordered, const NX: usize, const NS: usize, const P: usize> Accelerated<T>
+    for Sample<T, NX, NS, P>
+{
+    type Acceleration = Sensitive<T, NX, P>;
     fn acceleration(&self) -> &Self::Acceleration {
         &self.acceleration
     }
 }
 
-impl<T, R, M, const NX: usize, const NS: usize> GainProblem<'_, R, M, T, NX, NS>
+impl<T, R, M, C, const NX: usize, const NS: usize, const P: usize>
+    GainProblem<'_, R, M, C, T, NX, NS, P>
 where
+    C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
     R: ShapeAccelerated<T, NX, NS> + ?Sized,
     M: DesiredMotion<T, NX> + ?Sized,
 {
-    /// The objective linearised at S, in one pass over the samples.
+    /// The objective at X alone.
+    ///
+    /// # Errors
+    ///
+    /// As [`linearise`](Self::linearise).
+    pub(crate) fn cost(&self, factor: &SMatrix<T, P, NX>) -> Result<T, Error> {
+        let gain = self.directions * factor;
+        let start = self.desired(0).position;
+        let plain = |index: usize| {
+            let time = self.grid.time(index);
+            let plan = PlanPoint::new(time, self.desired(index), &self.constraint, &gain);
+            let acceleration =
+                self.robot.gamma(&plan.shape, &plan.shape_velocity, &plan.shape_acceleration);
+            plan::Sample { plan, acceleration }
+        };
+        let (count, step) = (self.grid.count, self.grid.step());
+        let mut cost = T::zero();
+        for node in DoubleIntegral::new(count, step, start[1], start[0], plain) {
+            let desired = &node.sample.plan.desired;
+            let residual = match self.objective {
+                Objective::Acceleration => node.sample.acceleration - desired.position[2],
+                Objective::Position => self.map.jacobian * (node.position - desired.position[0]),
+                Objective::Output => {
+                    self.robot.output(&node.position, &node.sample.plan.shape) - desired.output[0]
+                }
+            };
+            cost += residual.dot(&residual);
+            if !cost.is_finite() {
+                return Err(self.first_not_finite(&gain));
+            }
+        }
+        Ok(cost)
+    }
+
+    /// The objective linearised at X, in one pass over the samples.
     ///
     /// # Errors
     ///
     /// [`Error::NonFinite`] with the first sample that is not finite.
     pub(crate) fn linearise(
         &self,
-        factor: &SMatrix<T, NX, NX>,
-    ) -> Result<NormalEquations<T, NX, NX>, Error> {
-        let gain = self.initial_gain * factor;
+        factor: &SMatrix<T, P, NX>,
+    ) -> Result<NormalEquations<T, P, NX>, Error> {
+        let gain = self.directions * factor;
         let start = self.desired(0).position;
         let trajectory = DoubleIntegral::new(
             self.grid.count,
@@ -127,16 +170,17 @@ where
         self.map.desired(self.motion.derivatives(self.grid.time(index)))
     }
 
-    /// Γ along q_s = K a with its derivatives by S: ∂q_s/∂S_ij is column i of K⁰ times a_j, and so
+    /// Γ along q_s = K a with its derivatives by X: ∂q_s/∂X_ij is column i of D times a_j, and so
     /// for the rates with a's derivatives (Eqs. 31 and 32).
-    fn sample(&self, gain: &SMatrix<T, NS, NX>, index: usize) -> Sample<T, NX, NS> {
-        let plan = PlanPoint::new(self.grid.time(index), self.desired(index), gain);
+    fn sample(&self, gain: &SMatrix<T, NS, NX>, index: usize) -> Sample<T, NX, NS, P> {
+        let time = self.grid.time(index);
+        let plan = PlanPoint::new(time, self.desired(index), &self.constraint, gain);
         let response =
             self.robot.response(&plan.shape, &plan.shape_velocity, &plan.shape_acceleration);
-        let by_shape = response.d_qs * self.initial_gain;
-        let by_rate = response.d_qsd * self.initial_gain;
-        let by_acceleration = response.d_qsdd * self.initial_gain;
-        let [_, _, a, da, dda] = &plan.desired.position;
+        let by_shape = response.d_qs * self.directions;
+        let by_rate = response.d_qsd * self.directions;
+        let by_acceleration = response.d_qsdd * self.directions;
+        let [a, da, dda] = &plan.net_acceleration;
         let by_factor = core::array::from_fn(|i| {
             core::array::from_fn(|j| {
                 column(&by_shape, i) * a[j]
@@ -147,12 +191,12 @@ where
         Sample { plan, acceleration: Sensitive { value: response.gamma, by_factor } }
     }
 
-    /// The residual of one sample and its derivatives by S.
+    /// The residual of one sample and its derivatives by X.
     fn residual(
         &self,
-        node: &Integrated<Sample<T, NX, NS>, Sensitive<T, NX>>,
-    ) -> (SVector<T, NX>, ByFactor<T, NX>) {
-        let PlanPoint { shape, desired, .. } = &node.sample.plan;
+        node: &Integrated<Sample<T, NX, NS, P>, Sensitive<T, NX, P>>,
+    ) -> (SVector<T, NX>, ByFactor<T, NX, P>) {
+        let PlanPoint { shape, desired, net_acceleration, .. } = &node.sample.plan;
         let position = &node.position;
         let scaled = || position.by_factor.map(|row| row.map(|x| self.map.jacobian * x));
         match self.objective {
@@ -165,16 +209,33 @@ where
             }
             Objective::Output => {
                 let through_shape =
-                    self.robot.output_jacobian_shape(&position.value, shape) * self.initial_gain;
+                    self.robot.output_jacobian_shape(&position.value, shape) * self.directions;
                 let mut by_factor = scaled();
                 for (i, row) in by_factor.iter_mut().enumerate() {
                     for (j, entry) in row.iter_mut().enumerate() {
-                        *entry += column(&through_shape, i) * desired.position[2][j];
+                        *entry += column(&through_shape, i) * net_acceleration[0][j];
                     }
                 }
                 (self.robot.output(&position.value, shape) - desired.output[0], by_factor)
             }
         }
+    }
+
+    /// The projection on the directions that the net acceleration takes along the motion.
+    pub(crate) fn excited(&self) -> SMatrix<T, NX, NX> {
+        let mut moments = SMatrix::<T, NX, NX>::zeros();
+        let none = SMatrix::<T, NS, NX>::zeros();
+        for index in 0..self.grid.count {
+            let time = self.grid.time(index);
+            let plan = PlanPoint::new(time, self.desired(index), &self.constraint, &none);
+            for derivative in plan.net_acceleration {
+                moments += derivative * derivative.transpose();
+            }
+        }
+        // Moments (moments + ε)⁻¹: 1 along what is excited, 0 across.
+        let size = largest(moments.iter().copied());
+        let shift = SMatrix::<T, NX, NX>::from_diagonal_element(size * T::epsilon().sqrt());
+        solve(moments + shift, moments).unwrap_or_else(SMatrix::identity)
     }
 
     /// What went wrong, and when. The samples are gone through again: an integrated position is
@@ -227,9 +288,10 @@ mod tests {
             let problem = GainProblem {
                 robot,
                 motion: &motion,
+                constraint: crate::Unconstrained,
                 map: reference::OutputMap::new(robot).unwrap(),
                 grid: Grid::new(&motion, 81).unwrap(),
-                initial_gain: Weighting::MinimumNorm.gain(robot).unwrap(),
+                directions: Weighting::MinimumNorm.gain(robot).unwrap(),
                 objective,
             };
             check(&|factor| problem.linearise(factor).unwrap());

@@ -1,11 +1,12 @@
 //! Plans: what the planner hands out.
 
 use crate::Error;
-use crate::integrate::{Accelerated, DoubleIntegral};
-use crate::linear_algebra::{largest, norm};
+use crate::constraint::{ShapeConstraint, Unconstrained};
+use crate::integrate::{Accelerated, DoubleIntegral, Integrated};
+use crate::linear_algebra::norm;
 use crate::motion::DesiredMotion;
-use crate::optimise::{Minimum, Termination};
 use crate::reference::{Desired, Grid, OutputMap};
+use crate::report::Report;
 use core::fmt;
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Coordinate, Ordered, ShapeAccelerated};
@@ -17,22 +18,35 @@ pub struct PlanPoint<T: Ordered, const NX: usize, const NS: usize> {
     pub time: T,
     /// The desired motion.
     pub desired: Desired<T, NX>,
-    /// q_s^p = K q̈_x^d (Eq. 31), in the units of the shape coordinates.
+    /// What the free shape sets are to cause, with two derivatives, in the unit of the position
+    /// coordinates: of a gain plan the net acceleration q̈_x^d − a_ac (Eq. 35), of a refined plan the
+    /// virtual acceleration u.
+    pub net_acceleration: [SVector<T, NX>; 3],
+    /// q_s^p = K q̈_x^net (Eq. 31) plus the constrained shape, in the units of the shape coordinates.
     pub shape: SVector<T, NS>,
-    /// q̇_s^p = K d³q_x^d/dt³.
+    /// q̇_s^p.
     pub shape_velocity: SVector<T, NS>,
-    /// q̈_s^p = K d⁴q_x^d/dt⁴.
+    /// q̈_s^p.
     pub shape_acceleration: SVector<T, NS>,
 }
 
 impl<T: Ordered, const NX: usize, const NS: usize> PlanPoint<T, NX, NS> {
-    pub(crate) fn new(time: T, desired: Desired<T, NX>, gain: &SMatrix<T, NS, NX>) -> Self {
-        let [_, _, a, da, dda] = &desired.position;
+    pub(crate) fn new<C: ShapeConstraint<T, NX, NS>>(
+        time: T,
+        desired: Desired<T, NX>,
+        constraint: &C,
+        gain: &SMatrix<T, NS, NX>,
+    ) -> Self {
+        let [a, b, c] = constraint.acceleration(time);
+        let [_, _, x2, x3, x4] = &desired.position;
+        let net_acceleration = [x2 - a, x3 - b, x4 - c];
+        let [q, dq, ddq, ..] = constraint.shape(time);
         Self {
             time,
-            shape: gain * a,
-            shape_velocity: gain * da,
-            shape_acceleration: gain * dda,
+            shape: q + gain * net_acceleration[0],
+            shape_velocity: dq + gain * net_acceleration[1],
+            shape_acceleration: ddq + gain * net_acceleration[2],
+            net_acceleration,
             desired,
         }
     }
@@ -54,6 +68,19 @@ pub struct Row<T: Ordered, const NX: usize, const NS: usize> {
 }
 
 impl<T: Ordered, const NX: usize, const NS: usize> Row<T, NX, NS> {
+    pub(crate) fn new<R>(robot: &R, node: Integrated<Sample<T, NX, NS>, SVector<T, NX>>) -> Self
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    {
+        Self {
+            output: robot.output(&node.position, &node.sample.plan.shape),
+            position: node.position,
+            velocity: node.velocity,
+            acceleration: node.sample.acceleration,
+            plan: node.sample.plan,
+        }
+    }
+
     /// Where the output is, relative to where it is desired: h(q_x^p, q_s^p) − x^d.
     pub fn output_error(&self) -> SVector<T, NX> {
         self.output - self.plan.desired.output[0]
@@ -96,9 +123,9 @@ impl<T: Ordered, const NX: usize, const NS: usize> Row<T, NX, NS> {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Sample<T: Ordered, const NX: usize, const NS: usize> {
-    plan: PlanPoint<T, NX, NS>,
-    acceleration: SVector<T, NX>,
+pub(crate) struct Sample<T: Ordered, const NX: usize, const NS: usize> {
+    pub(crate) plan: PlanPoint<T, NX, NS>,
+    pub(crate) acceleration: SVector<T, NX>,
 }
 
 impl<T: Ordered, const NX: usize, const NS: usize> Accelerated<T> for Sample<T, NX, NS> {
@@ -108,82 +135,10 @@ impl<T: Ordered, const NX: usize, const NS: usize> Accelerated<T> for Sample<T, 
     }
 }
 
-/// How well a plan does, over its samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Report<T: Ordered, const NS: usize> {
-    /// The objective's value at K.
-    pub cost: T,
-    /// The objective's value at K⁰.
-    pub initial_cost: T,
-    /// Eq. 33 at K: Σ ‖q̈_x^p − q̈_x^d‖².
-    pub acceleration_cost: T,
-    /// Root of the mean squared ‖h(q_x^p, q_s^p) − x^d‖, metres.
-    pub output_rmse: T,
-    /// The largest ‖h(q_x^p, q_s^p) − x^d‖, metres.
-    pub output_max_error: T,
-    /// ‖h(q_x^p, q_s^p) − x^d‖ at the end, metres.
-    pub output_end_error: T,
-    /// Root of the mean squared ‖q_x^p − q_x^d‖, in the unit of the position coordinates.
-    pub position_rmse: T,
-    /// The largest |q_s^p| of each shape coordinate.
-    pub peak_shape: SVector<T, NS>,
-    /// Steps that the optimiser tried.
-    pub iterations: usize,
-    /// Evaluations of Γ, with or without its Jacobians.
-    pub evaluations: usize,
-    /// Why the optimiser ended.
-    pub termination: Termination,
-}
-
-impl<T: Ordered, const NS: usize> Report<T, NS> {
-    /// What the optimiser knows; the rest is added row by row.
-    pub(crate) fn new<const NX: usize>(minimum: &Minimum<T, NX, NX>, evaluations: usize) -> Self {
-        Self {
-            cost: minimum.cost,
-            initial_cost: minimum.start_cost,
-            acceleration_cost: T::zero(),
-            output_rmse: T::zero(),
-            output_max_error: T::zero(),
-            output_end_error: T::zero(),
-            position_rmse: T::zero(),
-            peak_shape: SVector::zeros(),
-            iterations: minimum.iterations,
-            evaluations,
-            termination: minimum.termination,
-        }
-    }
-
-    /// Adds a row; until [`averaged`](Self::averaged) the two RMSE are sums of squares.
-    fn add<const NX: usize>(&mut self, row: &Row<T, NX, NS>) {
-        let desired = &row.plan.desired.position;
-        let (output, position) = (row.output_error(), row.position - desired[0]);
-        let acceleration = row.acceleration - desired[2];
-        self.output_rmse += output.dot(&output);
-        self.position_rmse += position.dot(&position);
-        self.acceleration_cost += acceleration.dot(&acceleration);
-        self.output_end_error = norm(&output);
-        self.output_max_error = largest([self.output_max_error, norm(&output)]);
-        self.peak_shape = self.peak_shape.zip_map(&row.plan.shape, |a, b| largest([a, b]));
-        self.evaluations = self.evaluations.saturating_add(1);
-    }
-
-    fn averaged(self, rows: usize) -> Self {
-        let count = T::from_f64(rows as f64);
-        Self {
-            output_rmse: (self.output_rmse / count).sqrt(),
-            position_rmse: (self.position_rmse / count).sqrt(),
-            ..self
-        }
-    }
-
-    fn is_finite(&self) -> bool {
-        [self.output_rmse, self.position_rmse, self.acceleration_cost].iter().all(|x| x.is_finite())
-    }
-}
-
 /// A shape trajectory that is a constant gain times a desired acceleration (Eq. 31).
-pub struct Plan<'a, M: ?Sized, T: Ordered, const NX: usize, const NS: usize> {
+pub struct Plan<'a, M: ?Sized, T: Ordered, const NX: usize, const NS: usize, C = Unconstrained> {
     pub(crate) motion: &'a M,
+    pub(crate) constraint: C,
     pub(crate) map: OutputMap<T, NX>,
     pub(crate) grid: Grid<T>,
     pub(crate) initial_gain: SMatrix<T, NS, NX>,
@@ -193,16 +148,21 @@ pub struct Plan<'a, M: ?Sized, T: Ordered, const NX: usize, const NS: usize> {
 }
 
 // By hand, because the motion is only borrowed: it need not be Clone or Debug itself.
-impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> Clone for Plan<'_, M, T, NX, NS> {
+impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize, C: Copy> Clone
+    for Plan<'_, M, T, NX, NS, C>
+{
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> Copy for Plan<'_, M, T, NX, NS> {}
+impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize, C: Copy> Copy
+    for Plan<'_, M, T, NX, NS, C>
+{
+}
 
-impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> fmt::Debug
-    for Plan<'_, M, T, NX, NS>
+impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize, C> fmt::Debug
+    for Plan<'_, M, T, NX, NS, C>
 {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Plan")
@@ -215,9 +175,10 @@ impl<M: ?Sized, T: Ordered, const NX: usize, const NS: usize> fmt::Debug
     }
 }
 
-impl<'a, M, T, const NX: usize, const NS: usize> Plan<'a, M, T, NX, NS>
+impl<'a, M, T, const NX: usize, const NS: usize, C> Plan<'a, M, T, NX, NS, C>
 where
     M: DesiredMotion<T, NX> + ?Sized,
+    C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
 {
     /// The desired motion that the plan follows.
@@ -253,7 +214,8 @@ where
 
     /// The plan at time `t`, seconds. Before the start and after the end the shape is at rest.
     pub fn at(&self, t: T) -> PlanPoint<T, NX, NS> {
-        PlanPoint::new(t, self.map.desired(self.motion.derivatives(t)), &self.gain)
+        let desired = self.map.desired(self.motion.derivatives(t));
+        PlanPoint::new(t, desired, &self.constraint, &self.gain)
     }
 
     /// The motion of `robot` when it tracks the planned shape exactly, at the plan's samples: Γ
@@ -265,7 +227,7 @@ where
     pub fn rows<'s, R>(
         &'s self,
         robot: &'s R,
-    ) -> impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, R>
+    ) -> impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, C, R>
     where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
     {
@@ -282,7 +244,10 @@ where
         &'s self,
         robot: &'s R,
         samples: usize,
-    ) -> Result<impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, R>, Error>
+    ) -> Result<
+        impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, C, R>,
+        Error,
+    >
     where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
     {
@@ -293,7 +258,7 @@ where
         &'s self,
         grid: Grid<T>,
         robot: &'s R,
-    ) -> impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, R>
+    ) -> impl ExactSizeIterator<Item = Row<T, NX, NS>> + use<'s, 'a, M, T, NX, NS, C, R>
     where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
     {
@@ -305,13 +270,7 @@ where
             Sample { plan, acceleration }
         };
         let trajectory = DoubleIntegral::new(grid.count, grid.step(), start[1], start[0], sample);
-        trajectory.map(|node| Row {
-            output: robot.output(&node.position, &node.sample.plan.shape),
-            position: node.position,
-            velocity: node.velocity,
-            acceleration: node.sample.acceleration,
-            plan: node.sample.plan,
-        })
+        trajectory.map(|node| Row::new(robot, node))
     }
 
     /// Fills the report's errors and peaks from the plan's samples.
@@ -323,10 +282,20 @@ where
         let (positions, shapes) =
             (description.position_coordinates(), description.shape_coordinates());
         let mut report = self.report;
+        let shape_gain = robot.shape_gain();
+        let mut steepest = (T::zero(), SVector::zeros());
         for row in self.rows(robot) {
+            let size = norm(&(shape_gain * row.plan.shape));
+            if size > steepest.0 {
+                steepest = (size, row.plan.shape);
+            }
             row.check_finite()?;
             row.check_ranges(positions, shapes)?;
             report.add(&row);
+        }
+        if steepest.0 > T::zero() {
+            let difference = robot.gamma_prime(&steepest.1) - shape_gain * steepest.1;
+            report.nonlinearity = norm(&difference) / steepest.0;
         }
         self.report = report.averaged(self.grid.count);
         if self.report.is_finite() {

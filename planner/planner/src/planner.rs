@@ -1,15 +1,28 @@
-//! Algorithm 1 without additional shape constraints.
+//! Algorithm 1.
 
 use crate::Error;
+use crate::constraint::{ShapeConstraint, Unconstrained};
 use crate::gain::Weighting;
 use crate::motion::DesiredMotion;
 use crate::objective::{GainProblem, Objective};
-use crate::optimise::LevenbergMarquardt;
-use crate::plan::{Plan, Report};
+use crate::optimise::{Minimum, Optimiser};
+use crate::plan::Plan;
 use crate::reference::{Grid, OutputMap};
+use crate::report::Report;
 use core::fmt;
 use nalgebra::SMatrix;
 use shapebot_dynamics::{Ordered, ShapeAccelerated};
+
+/// What of the gain the optimiser chooses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Parametrisation {
+    /// S in K = K⁰ S, n_x × n_x: the shape sets keep the proportions that the weighting gives them.
+    #[default]
+    Proportions,
+    /// All entries of the rows of K that K⁰ uses. The weighting is only where the search begins: with
+    /// several shape sets the shares may go anywhere.
+    FreeRows,
+}
 
 /// What is to be planned, and how.
 ///
@@ -22,7 +35,7 @@ use shapebot_dynamics::{Ordered, ShapeAccelerated};
 ///     .objective(Objective::Position);
 /// # Ok::<(), shapebot_planner::Error>(())
 /// ```
-pub struct Task<'a, M: ?Sized, T: Ordered, const NS: usize> {
+pub struct Task<'a, M: ?Sized, T: Ordered, const NS: usize, C = Unconstrained> {
     /// The desired motion of the output.
     pub motion: &'a M,
     /// Number of equidistant samples, both ends included, at least [`MIN_SAMPLES`](crate::MIN_SAMPLES).
@@ -31,20 +44,24 @@ pub struct Task<'a, M: ?Sized, T: Ordered, const NS: usize> {
     pub weighting: Weighting<'a, T, NS>,
     /// What is minimised.
     pub objective: Objective,
+    /// What of the gain it chooses.
+    pub parametrisation: Parametrisation,
     /// How.
-    pub optimiser: LevenbergMarquardt<T>,
+    pub optimiser: Optimiser<T>,
+    /// Shape sets that follow trajectories of their own: [`Constrained`](crate::Constrained).
+    pub constraint: C,
 }
 
 // By hand, because the motion is only borrowed: it need not be Clone or Debug itself.
-impl<M: ?Sized, T: Ordered, const NS: usize> Clone for Task<'_, M, T, NS> {
+impl<M: ?Sized, T: Ordered, const NS: usize, C: Copy> Clone for Task<'_, M, T, NS, C> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<M: ?Sized, T: Ordered, const NS: usize> Copy for Task<'_, M, T, NS> {}
+impl<M: ?Sized, T: Ordered, const NS: usize, C: Copy> Copy for Task<'_, M, T, NS, C> {}
 
-impl<M: ?Sized, T: Ordered, const NS: usize> fmt::Debug for Task<'_, M, T, NS> {
+impl<M: ?Sized, T: Ordered, const NS: usize, C> fmt::Debug for Task<'_, M, T, NS, C> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Task")
             .field("samples", &self.samples)
@@ -63,10 +80,14 @@ impl<'a, M: ?Sized, T: Ordered, const NS: usize> Task<'a, M, T, NS> {
             samples,
             weighting: Weighting::default(),
             objective: Objective::default(),
-            optimiser: LevenbergMarquardt::default(),
+            parametrisation: Parametrisation::default(),
+            optimiser: Optimiser::default(),
+            constraint: Unconstrained,
         }
     }
+}
 
+impl<'a, M: ?Sized, T: Ordered, const NS: usize, C> Task<'a, M, T, NS, C> {
     /// The task with another weighting.
     #[must_use]
     pub fn weighting(self, weighting: Weighting<'a, T, NS>) -> Self {
@@ -79,15 +100,51 @@ impl<'a, M: ?Sized, T: Ordered, const NS: usize> Task<'a, M, T, NS> {
         Self { objective, ..self }
     }
 
-    /// The task with other settings of the optimiser.
+    /// The task with another parametrisation of the gain.
     #[must_use]
-    pub fn optimiser(self, optimiser: LevenbergMarquardt<T>) -> Self {
-        Self { optimiser, ..self }
+    pub fn parametrisation(self, parametrisation: Parametrisation) -> Self {
+        Self { parametrisation, ..self }
+    }
+
+    /// The task with shape sets constrained.
+    #[must_use]
+    pub fn constraint<D>(self, constraint: D) -> Task<'a, M, T, NS, D> {
+        let Self { motion, samples, weighting, objective, parametrisation, optimiser, .. } = self;
+        Task { motion, samples, weighting, objective, parametrisation, optimiser, constraint }
+    }
+
+    /// The same for another motion.
+    pub(crate) fn with_motion<'b, L: ?Sized>(&self, motion: &'b L) -> Task<'b, L, T, NS, C>
+    where
+        'a: 'b,
+        C: Copy,
+    {
+        let Self { samples, weighting, objective, parametrisation, optimiser, constraint, .. } =
+            *self;
+        Task { motion, samples, weighting, objective, parametrisation, optimiser, constraint }
+    }
+
+    /// K⁰_qx of the free shape sets.
+    pub(crate) fn free_gain<R, const NX: usize>(
+        &self,
+        robot: &R,
+    ) -> Result<SMatrix<T, NS, NX>, Error>
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+        C: ShapeConstraint<T, NX, NS>,
+    {
+        self.weighting.free_gain(robot, |index| self.constraint.holds(index))
+    }
+
+    /// The task with another optimiser or other settings.
+    #[must_use]
+    pub fn optimiser(self, optimiser: impl Into<Optimiser<T>>) -> Self {
+        Self { optimiser: optimiser.into(), ..self }
     }
 }
 
 /// Plans a shape trajectory for a desired motion of the robot's output: Algorithm 1 with the gain
-/// sought as K = K⁰ S.
+/// sought as K = K⁰ S, or in all its entries.
 ///
 /// Each step of the optimiser evaluates Γ with its Jacobians once per sample; a last pass without
 /// Jacobians fills the report. No heap, and stack in proportion to n_x² n_s, not to the samples.
@@ -101,45 +158,108 @@ impl<'a, M: ?Sized, T: Ordered, const NS: usize> Task<'a, M, T, NS> {
 /// - [`Error::OutOfRange`]: the plan leaves a coordinate's declared range.
 ///
 /// A plan whose optimiser did not converge is no error: see [`Report::termination`].
-pub fn plan<'a, R, M, T, const NX: usize, const NS: usize>(
+pub fn plan<'a, R, M, C, T, const NX: usize, const NS: usize>(
     robot: &R,
-    task: &Task<'a, M, T, NS>,
-) -> Result<Plan<'a, M, T, NX, NS>, Error>
+    task: &Task<'a, M, T, NS, C>,
+) -> Result<Plan<'a, M, T, NX, NS, C>, Error>
 where
     R: ShapeAccelerated<T, NX, NS> + ?Sized,
     M: DesiredMotion<T, NX> + ?Sized,
+    C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
 {
     check_description(robot)?;
     check_optimiser(&task.optimiser)?;
-    let problem = GainProblem {
-        robot,
+    let initial_gain = task.free_gain(robot)?;
+    let blank = Plan {
         motion: task.motion,
+        constraint: task.constraint,
         map: OutputMap::new(robot)?,
         grid: Grid::new(task.motion, task.samples)?,
-        initial_gain: task.weighting.gain(robot)?,
-        objective: task.objective,
+        initial_gain,
+        factor: SMatrix::identity(),
+        gain: initial_gain,
+        report: Report::default(),
     };
-    let mut passes = 0_usize;
-    let minimum = task.optimiser.minimise(SMatrix::identity(), |factor| {
-        passes += 1;
-        problem.linearise(factor)
-    })?;
-    let mut plan = Plan {
-        motion: task.motion,
-        map: problem.map,
-        grid: problem.grid,
-        initial_gain: problem.initial_gain,
-        factor: minimum.point,
-        gain: problem.initial_gain * minimum.point,
-        report: Report::new(&minimum, task.samples.saturating_mul(passes)),
+    let mut plan = match task.parametrisation {
+        Parametrisation::Proportions => {
+            let problem = problem(robot, task, &blank, initial_gain);
+            let (minimum, report) = minimise(&problem, task, SMatrix::<T, NX, NX>::identity())?;
+            Plan { factor: minimum, gain: initial_gain * minimum, report, ..blank }
+        }
+        Parametrisation::FreeRows => {
+            let rows = SMatrix::<T, NS, NS>::from_fn(|i, j| {
+                let used = initial_gain.row(i).iter().any(|&entry| entry != T::zero());
+                if i == j && used { T::one() } else { T::zero() }
+            });
+            let problem = problem(robot, task, &blank, rows);
+            let (gain, report) = minimise(&problem, task, initial_gain)?;
+            Plan { factor: robot.shape_gain() * gain, gain, report, ..blank }
+        }
     };
     plan.survey(robot)?;
     Ok(plan)
 }
 
+fn problem<'p, R, M, C, T, const NX: usize, const NS: usize, const P: usize>(
+    robot: &'p R,
+    task: &Task<'p, M, T, NS, C>,
+    blank: &Plan<'p, M, T, NX, NS, C>,
+    directions: SMatrix<T, NS, P>,
+) -> GainProblem<'p, R, M, C, T, NX, NS, P>
+where
+    R: ?Sized,
+    M: ?Sized,
+    C: Copy,
+    T: Ordered,
+{
+    GainProblem {
+        robot,
+        motion: task.motion,
+        constraint: task.constraint,
+        map: blank.map,
+        grid: blank.grid,
+        directions,
+        objective: task.objective,
+    }
+}
+
+/// The best parameters, and what the optimiser knows for the report.
+fn minimise<R, M, C, T, const NX: usize, const NS: usize, const P: usize>(
+    problem: &GainProblem<'_, R, M, C, T, NX, NS, P>,
+    task: &Task<'_, M, T, NS, C>,
+    start: SMatrix<T, P, NX>,
+) -> Result<(SMatrix<T, P, NX>, Report<T, NS>), Error>
+where
+    R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    M: DesiredMotion<T, NX> + ?Sized,
+    C: ShapeConstraint<T, NX, NS>,
+    T: Ordered,
+{
+    let mut passes = 0_usize;
+    let minimum = match &task.optimiser {
+        Optimiser::LevenbergMarquardt(settings) => settings.minimise(start, |factor| {
+            passes += 1;
+            problem.linearise(factor)
+        })?,
+        Optimiser::NelderMead(settings) => {
+            let minimum = settings.minimise(start, |factor| {
+                passes += 1;
+                problem.cost(factor)
+            })?;
+            // The costs do not change, and columns that the motion does not excite stay at K⁰.
+            let point = start + (minimum.point - start) * problem.excited();
+            Minimum { point, ..minimum }
+        }
+    };
+    let report = Report::new(&minimum, task.samples.saturating_mul(passes));
+    Ok((minimum.point, report))
+}
+
 /// Ranges and shape sets are looked up by index: the description must be that of the robot.
-fn check_description<T, const NX: usize, const NS: usize, R>(robot: &R) -> Result<(), Error>
+pub(crate) fn check_description<T, const NX: usize, const NS: usize, R>(
+    robot: &R,
+) -> Result<(), Error>
 where
     T: Ordered,
     R: ShapeAccelerated<T, NX, NS> + ?Sized,
@@ -152,22 +272,24 @@ where
     check("coordinates described", description.coordinates.len(), NX + NS)
 }
 
-fn check_optimiser<T: Ordered>(optimiser: &LevenbergMarquardt<T>) -> Result<(), Error> {
-    let LevenbergMarquardt {
-        cost_threshold,
-        gradient_tolerance,
-        step_tolerance,
-        reduction_tolerance,
-        initial_damping,
-        max_iterations: _,
-    } = *optimiser;
-    for (field, value) in [
-        ("cost threshold", cost_threshold),
-        ("gradient tolerance", gradient_tolerance),
-        ("step tolerance", step_tolerance),
-        ("reduction tolerance", reduction_tolerance),
-        ("initial damping", initial_damping),
-    ] {
+fn check_optimiser<T: Ordered>(optimiser: &Optimiser<T>) -> Result<(), Error> {
+    let numbers = match *optimiser {
+        Optimiser::LevenbergMarquardt(settings) => [
+            ("cost threshold", settings.cost_threshold),
+            ("gradient tolerance", settings.gradient_tolerance),
+            ("step tolerance", settings.step_tolerance),
+            ("reduction tolerance", settings.reduction_tolerance),
+            ("initial damping", settings.initial_damping),
+        ],
+        Optimiser::NelderMead(settings) => [
+            ("cost threshold", settings.cost_threshold),
+            ("step tolerance", settings.step_tolerance),
+            ("reduction tolerance", settings.reduction_tolerance),
+            ("initial edge", settings.initial_edge),
+            ("initial edge", settings.initial_edge),
+        ],
+    };
+    for (field, value) in numbers {
         if !value.is_finite() || value < T::zero() {
             let expected = "a finite number that is not negative";
             return Err(Error::Invalid { field, value: value.to_f64(), expected });

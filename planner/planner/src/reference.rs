@@ -40,6 +40,11 @@ impl<T: Ordered, const NX: usize> OutputMap<T, NX> {
         Ok(Self { jacobian, inverse, origin })
     }
 
+    /// (∂h/∂q_x)⁻¹.
+    pub(crate) fn inverse(&self) -> &SMatrix<T, NX, NX> {
+        &self.inverse
+    }
+
     pub(crate) fn desired(&self, output: Derivatives<T, NX>) -> Desired<T, NX> {
         let mut relative = output;
         relative[0] -= self.origin;
@@ -59,7 +64,11 @@ impl<T: Ordered> Grid<T> {
     where
         M: DesiredMotion<T, NX> + ?Sized,
     {
-        check_duration(motion.duration())?;
+        Self::of(count, motion.duration())
+    }
+
+    pub(crate) fn of(count: usize, duration: T) -> Result<Self, Error> {
+        check_duration(duration)?;
         if count < MIN_SAMPLES {
             return Err(Error::Invalid {
                 field: "samples",
@@ -67,7 +76,12 @@ impl<T: Ordered> Grid<T> {
                 expected: "at least 4",
             });
         }
-        Ok(Self { count, duration: motion.duration() })
+        Ok(Self { count, duration })
+    }
+
+    /// Every `stride`-th sample; the last one among them.
+    pub(crate) fn thinned(&self, stride: usize) -> Self {
+        Self { count: (self.count - 1) / stride + 1, duration: self.duration }
     }
 
     pub(crate) fn step(&self) -> T {

@@ -16,7 +16,7 @@ Exit codes: 0 done, 1 the model or the plan was refused, 2 wrong usage or input.
 /// Symbolic-to-code toolchain for balancing robots.
 ///
 /// Without a command: plans the task of Nagarajan and Hollis, Table II (2 m in 5 s), for its four
-/// systems, prints the comparison and writes the motions and plots.
+/// systems by both methods, prints the comparison and writes the motions and plots.
 #[derive(Debug, Parser)]
 #[command(name = "shapebot", version, styles = STYLES, after_help = EXIT_CODES, after_long_help = TOP_EXAMPLES)]
 #[command(args_conflicts_with_subcommands = true)]
@@ -34,6 +34,7 @@ Examples:
   shapebot                                  the comparison of Table II
   shapebot check my.robot                   what is wrong with a model, what is proved about it
   shapebot plan ballbot3d --line 2,0 --duration 5 --svg plan.svg
+  shapebot plan walk.toml -o plans          a task file
   shapebot eval my.robot < states.jsonl     dynamics of given states
 
 Exit codes: 0 done, 1 the model or the plan was refused, 2 wrong usage or input.";
@@ -175,18 +176,30 @@ pub(crate) enum Objective {
     Coordinates,
 }
 
+/// How the shape trajectory is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Method {
+    /// The constant gain of Algorithm 1
+    Gain,
+    /// The refined planner
+    Refined,
+}
+
 const PLAN_EXAMPLES: &str = "\
 Examples:
-  shapebot plan ballbot3d --line 2,0 --duration 5 --svg plan.svg
+  shapebot plan ballbot3d --line 2,0 --duration 5 --method refined --standing 1 --svg plan.svg
   shapebot plan ballbot3d_arms --line 1,1 --duration 6 --weights phi=0.5,alpha_l=0.5
-  shapebot plan my.robot --bezier '0,0 0,0 1,0 1,1 1,1' --duration 10 --csv plan.csv";
+  shapebot plan my.robot --bezier '0,0 0,0 1,0 1,1 1,1' --duration 10 --csv plan.csv
+  shapebot plan walk.toml -o plans --plot   a task file
+  shapebot plan arms_waving                 a bundled task";
 
 #[derive(Args, Debug)]
 #[command(after_help = PLAN_EXAMPLES)]
-#[command(group = clap::ArgGroup::new("motion").required(true).args(["line", "bezier"]))]
+#[command(group = clap::ArgGroup::new("motion").args(["line", "bezier"]))]
 pub(crate) struct PlanArgs {
-    #[arg(value_name = "FILE|ROBOT", help = ROBOT_HELP)]
-    pub(crate) robot: String,
+    /// Model file, task file, or name of a bundled robot or task
+    #[arg(value_name = "FILE|ROBOT|TASK")]
+    pub(crate) subject: String,
 
     /// Straight line from the origin to this output position, rest to rest
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
@@ -198,24 +211,40 @@ pub(crate) struct PlanArgs {
 
     /// Duration in seconds
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
-    pub(crate) duration: f64,
+    pub(crate) duration: Option<f64>,
 
-    /// Degree of the line's timing polynomial
-    #[arg(long, default_value_t = 9, conflicts_with = "bezier")]
-    pub(crate) degree: usize,
+    /// Degree of the line's timing polynomial, 9 if not given
+    #[arg(long, conflicts_with = "bezier")]
+    pub(crate) degree: Option<usize>,
 
-    /// Number of samples, both ends included
-    #[arg(long, default_value_t = 501)]
-    pub(crate) samples: usize,
+    /// Number of samples, both ends included; 501 or the task's own if not given
+    #[arg(long)]
+    pub(crate) samples: Option<usize>,
 
     /// Contributions of shape sets to the acceleration, 1 in sum; sets not named rest. By default the
     /// set without an actuator does it all, or else the smallest shape is sought
     #[arg(long, value_name = "SET=C,...", value_delimiter = ',', value_parser = assignment)]
     pub(crate) weights: Vec<(String, f64)>,
 
-    /// What the optimisation makes small
-    #[arg(long, value_enum, default_value_t = Objective::Position)]
-    pub(crate) objective: Objective,
+    /// What the optimisation of a gain plan makes small: position if not given
+    #[arg(long, value_enum)]
+    pub(crate) objective: Option<Objective>,
+
+    /// How the shape trajectory is found: gain, or the task's own, if not given
+    #[arg(long, value_enum)]
+    pub(crate) method: Option<Method>,
+
+    /// Standing before and after the motion in which a refined plan may lean already
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) standing: Option<f64>,
+
+    /// Folder for the plan as CSV, JSON and bytes, and its report
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Draw the plan, into the output folder or here
+    #[arg(long)]
+    pub(crate) plot: bool,
 
     /// Write the motion as CSV
     #[arg(long, value_name = "FILE")]

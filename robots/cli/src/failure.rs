@@ -48,6 +48,21 @@ impl Failure {
         Self::Usage(format!("no {what} `{name}`"), help)
     }
 
+    /// The same with the place of what it is about ahead of it, unless it has one.
+    pub(crate) fn at(self, place: &str) -> Self {
+        let placed = |message: String| {
+            if place.is_empty() || message.starts_with(place) {
+                return message;
+            }
+            format!("{place}: {message}")
+        };
+        match self {
+            Self::Refused(message) => Self::Refused(placed(message)),
+            Self::Usage(message, help) => Self::Usage(placed(message), help),
+            other => other,
+        }
+    }
+
     /// An error of reading or writing, with the file's name.
     pub(crate) fn file(action: &str, path: impl AsRef<std::path::Path>, error: &io::Error) -> Self {
         Self::usage(format!("cannot {action} {}: {error}", path.as_ref().display()))

@@ -41,6 +41,11 @@ impl<'a, T: Ordered, const NX: usize> Bezier<'a, T, NX> {
         Ok(Self { points, duration })
     }
 
+    /// A curve whose parts were checked already.
+    pub(super) const fn unchecked(points: &'a [SVector<T, NX>], duration: T) -> Self {
+        Self { points, duration }
+    }
+
     /// Degree of the curve.
     pub const fn degree(&self) -> usize {
         self.points.len().saturating_sub(1)
@@ -107,5 +112,17 @@ impl<T: Ordered, const NX: usize> DesiredMotion<T, NX> for Bezier<'_, T, NX> {
             x[3] = -x[3];
         }
         in_time(x, self.duration)
+    }
+
+    fn position(&self, t: T) -> SVector<T, NX> {
+        if t < T::zero() {
+            return self.point(0, false);
+        }
+        if t > self.duration {
+            return self.point(0, true);
+        }
+        let tau = t / self.duration;
+        let reversed = tau > T::from_f64(0.5);
+        self.derivative(0, if reversed { T::one() - tau } else { tau }, reversed)
     }
 }

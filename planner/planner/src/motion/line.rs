@@ -63,4 +63,8 @@ impl<T: Ordered, const NX: usize> DesiredMotion<T, NX> for Line<T, NX> {
         x[0] += self.from;
         in_time(x, self.duration)
     }
+
+    fn position(&self, t: T) -> SVector<T, NX> {
+        self.from + (self.to - self.from) * self.step.value(t / self.duration)
+    }
 }

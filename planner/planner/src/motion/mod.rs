@@ -1,12 +1,24 @@
 //! Desired motions in output space.
 
 mod bezier;
+mod examine;
+mod legs;
 mod line;
 mod smooth_step;
+mod stretched;
+mod transfer;
+mod waypoints;
 
 pub use bezier::{Bezier, MAX_BEZIER_DEGREE};
+pub use examine::{Jump, MotionPeaks, fastest, first_jump, minimum_duration, peaks};
+pub use legs::Legs;
 pub use line::Line;
 pub use smooth_step::SmoothStep;
+pub use stretched::Stretched;
+pub use transfer::{Rest, Transfer};
+pub use waypoints::{Knot, Waypoint, Waypoints};
+
+pub use crate::refined::Sampled;
 
 use crate::Error;
 use nalgebra::SVector;
@@ -29,6 +41,11 @@ pub trait DesiredMotion<T: Ordered, const NX: usize> {
     /// The motion and its derivatives at time `t`, seconds. Before the start and after the end the
     /// motion stands still at its end points.
     fn derivatives(&self, t: T) -> Derivatives<T, NX>;
+
+    /// The motion alone, where that takes less than its derivatives.
+    fn position(&self, t: T) -> SVector<T, NX> {
+        self.derivatives(t)[0]
+    }
 }
 
 impl<T: Ordered, const NX: usize, M: DesiredMotion<T, NX> + ?Sized> DesiredMotion<T, NX> for &M {
@@ -37,6 +54,9 @@ impl<T: Ordered, const NX: usize, M: DesiredMotion<T, NX> + ?Sized> DesiredMotio
     }
     fn derivatives(&self, t: T) -> Derivatives<T, NX> {
         (**self).derivatives(t)
+    }
+    fn position(&self, t: T) -> SVector<T, NX> {
+        (**self).position(t)
     }
 }
 
@@ -70,6 +90,15 @@ pub(crate) fn check_duration<T: Ordered>(duration: T) -> Result<(), Error> {
         value: duration.to_f64(),
         expected: "a positive, finite number of seconds",
     })
+}
+
+/// A factor of time.
+fn check_factor<T: Ordered>(factor: T) -> Result<(), Error> {
+    if factor.is_finite() && factor > T::zero() {
+        return Ok(());
+    }
+    let expected = "a positive, finite number";
+    Err(Error::Invalid { field: "factor of the duration", value: factor.to_f64(), expected })
 }
 
 fn check_point<T: Ordered, const NX: usize>(

@@ -63,6 +63,24 @@ impl SmoothStep {
         2 * self.half + 1
     }
 
+    /// s at τ, which is limited to 0 ≤ τ ≤ 1.
+    pub fn value<T: Ordered>(&self, tau: T) -> T {
+        let (zero, one) = (T::zero(), T::one());
+        if tau <= zero {
+            return zero;
+        }
+        if tau >= one {
+            return one;
+        }
+        power(tau, self.half + 1) * self.sum(one - tau)
+    }
+
+    /// Σ_k C(m+k, k) restᵏ.
+    fn sum<T: Ordered>(&self, rest: T) -> T {
+        let binomials = self.binomials.iter().take(self.half + 1).rev();
+        binomials.fold(T::zero(), |sum, &binomial| sum * rest + T::from_f64(f64::from(binomial)))
+    }
+
     /// s and its first four derivatives at τ, which is limited to 0 ≤ τ ≤ 1.
     pub fn derivatives<T: Ordered>(&self, tau: T) -> [T; 5] {
         let (zero, one) = (T::zero(), T::one());
@@ -76,10 +94,7 @@ impl SmoothStep {
         let number = |n: usize| T::from_f64(n as f64);
         let m = self.half;
 
-        let mut sum = zero;
-        for &binomial in self.binomials.iter().take(m + 1).rev() {
-            sum = sum * (one - tau) + T::from_f64(f64::from(binomial));
-        }
+        let sum = self.sum(one - tau);
         // s′ = c u^m with u = τ(1−τ), u′ = 1 − 2τ, u″ = −2.
         let c = T::from_f64(f64::from(self.slope));
         let u = tau * (one - tau);

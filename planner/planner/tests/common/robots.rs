@@ -101,20 +101,20 @@ where
     }
 }
 
-const fn position(name: &'static str, unit: &'static str) -> Coordinate {
+pub const fn position(name: &'static str, unit: &'static str) -> Coordinate {
     let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
     Coordinate { name, unit, role: Role::Position, actuated: true, lower, upper }
 }
 
-const fn shape(name: &'static str, actuated: bool, limit: f64) -> Coordinate {
+pub const fn shape(name: &'static str, actuated: bool, limit: f64) -> Coordinate {
     Coordinate { name, unit: "rad", role: Role::Shape, actuated, lower: -limit, upper: limit }
 }
 
-const fn set(name: &'static str, first: usize, len: usize, actuated: bool) -> ShapeSet {
+pub const fn set(name: &'static str, first: usize, len: usize, actuated: bool) -> ShapeSet {
     ShapeSet { name, first, len, actuated }
 }
 
-const NOTHING: Description = Description {
+pub const NOTHING: Description = Description {
     name: "",
     summary: "",
     coordinates: &[],

@@ -7,13 +7,13 @@ pub(crate) mod number;
 
 pub(crate) use columns::{Align, Columns};
 pub(crate) use json::Json;
-pub(crate) use motion::{csv, json};
+pub(crate) use motion::{csv, json, method, report};
 
 use crate::failure::{Failure, Outcome};
 use std::path::Path;
 
 /// Writes a file, making its folder if need be.
-pub(crate) fn write_file(path: &Path, text: &str) -> Outcome {
+pub(crate) fn write_file(path: &Path, text: impl AsRef<[u8]>) -> Outcome {
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(|e| Failure::file("create", folder, &e))?;
     }

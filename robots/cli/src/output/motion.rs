@@ -1,9 +1,10 @@
 //! A planned motion as CSV and as JSON.
 
 use super::Json;
-use crate::planning::{PlannedMotion, Row, termination};
+use crate::planning::{Detail, Phase, PlannedMotion, Row};
 use serde_json::Value;
 use shapebot_dynamics::Coordinate;
+use shapebot_tasks::Method;
 
 /// Every number of a sample, in the order of [`csv_head`].
 fn numbers(row: &Row) -> impl Iterator<Item = f64> + '_ {
@@ -56,30 +57,77 @@ pub(crate) fn json(motion: &PlannedMotion) -> String {
     text + "  \"samples\": [\n" + &samples(motion) + "\n  ]\n}\n"
 }
 
+/// The same without samples.
+pub(crate) fn report(motion: &PlannedMotion) -> String {
+    let lines = members(motion).into_iter().map(|(key, value)| format!("  \"{key}\": {value}"));
+    format!("{{\n{}\n}}\n", lines.collect::<Vec<_>>().join(",\n"))
+}
+
 fn members(motion: &PlannedMotion) -> Vec<(&'static str, Value)> {
     let robot = &motion.description;
     let names = |coordinates: &[Coordinate]| coordinates.iter().map(|c| c.name).collect::<Value>();
-    vec![
+    let mut members = vec![
         ("robot", robot.name.into()),
         ("outputs", robot.outputs.iter().copied().collect()),
         ("output_unit", robot.output_unit.into()),
         ("position_coordinates", names(robot.position_coordinates())),
         ("shape_coordinates", names(robot.shape_coordinates())),
         ("shape_sets", robot.shape_sets.iter().map(|set| set.name).collect()),
-        ("contributions", motion.weights.as_deref().map(list).into()),
-        ("K", motion.gain.iter().map(|row| list(row)).collect()),
-        ("K0", motion.initial_gain.iter().map(|row| list(row)).collect()),
-        ("K_along", motion.along.as_deref().map(list).into()),
-        ("cost", motion.cost.into()),
-        ("cost_at_K0", motion.initial_cost.into()),
+        ("method", method(motion.method).into()),
         ("output_rmse", motion.output_rmse.into()),
+        ("motion_rmse", motion.motion_rmse.into()),
+        ("floor", motion.floor.into()),
         ("output_max_error", motion.output_max_error.into()),
         ("output_end_error", motion.output_end_error.into()),
         ("peak_shape", list(&motion.peak_shape)),
-        ("iterations", motion.iterations.into()),
-        ("evaluations", motion.evaluations.into()),
-        ("termination", termination(motion.termination).into()),
-    ]
+        ("planning_seconds", motion.elapsed.as_secs_f64().into()),
+    ];
+    match motion.phases.as_slice() {
+        [phase] => members.extend(phase_members(phase)),
+        phases => {
+            let phase = |phase: &Phase| -> Value {
+                phase_members(phase)
+                    .into_iter()
+                    .map(|(key, value)| (key.to_owned(), value))
+                    .collect()
+            };
+            members.push(("phases", phases.iter().map(phase).collect()));
+        }
+    }
+    members
+}
+
+fn phase_members(phase: &Phase) -> Vec<(&'static str, Value)> {
+    let matrix = |rows: &[Vec<f64>]| rows.iter().map(|row| list(row)).collect::<Value>();
+    let mut members = vec![("contributions", phase.weights.as_deref().map(list).into())];
+    match &phase.detail {
+        Detail::Gain(gain) => members.extend([
+            ("K", matrix(&phase.gain)),
+            ("K0", matrix(&gain.initial_gain)),
+            ("K_along", gain.along.as_deref().map(list).into()),
+            ("cost", gain.cost.into()),
+            ("cost_at_K0", gain.initial_cost.into()),
+            ("iterations", gain.iterations.into()),
+            ("evaluations", gain.evaluations.into()),
+        ]),
+        Detail::Refined(refined) => members.extend([
+            ("K0", matrix(&phase.gain)),
+            ("tau_squared", matrix(&refined.time_constant)),
+            ("spans", refined.spans.into()),
+            ("sweeps", refined.sweeps.into()),
+            ("evaluations", refined.evaluations.into()),
+        ]),
+    }
+    members.push(("termination", phase.detail.termination().into()));
+    members
+}
+
+/// The word for a method.
+pub(crate) const fn method(method: Method) -> &'static str {
+    match method {
+        Method::Gain => "gain",
+        Method::Refined => "refined",
+    }
 }
 
 /// Zeros without a sign.

@@ -1,120 +1,166 @@
 //! From what the user asks for to the planner and back: sizes are run-time values on this side.
 
+mod desired;
+mod files;
+mod held;
 mod motion;
-mod task;
+mod phase;
+mod shares;
 
-pub(crate) use motion::{PlannedMotion, Row, termination};
-pub(crate) use task::{Path, PlanTask};
+pub(crate) use motion::{Detail, Phase, PlannedMotion, Row};
 
 use crate::failure::{Failure, Outcome};
 use crate::output::number;
-use nalgebra::{SMatrix, SVector};
-use shapebot_dynamics::{Description, ShapeAccelerated};
-use shapebot_planner::motion::{Bezier, DesiredMotion, Line};
-use shapebot_planner::{Error, Plan, Task, Weighting};
-use std::time::Instant;
+use nalgebra::SVector;
+use phase::{Planned, Request, plan_phase};
+use shapebot_dynamics::{Robot, ShapeAccelerated};
+use shapebot_planner::{Error, Start, TwoPhases, generalised_force};
+use shapebot_tasks::{Motion, Task};
+use std::time::Duration;
 
-/// Plans with any robot of given sizes. One instance per pair of sizes serves all robots that have
-/// them.
-pub(crate) fn plan<const NX: usize, const NS: usize>(
-    robot: &dyn ShapeAccelerated<f64, NX, NS>,
-    task: &PlanTask,
-) -> Outcome<PlannedMotion> {
-    match &task.path {
-        Path::Line { goal, degree } => {
-            let goal = point("line", goal, robot.shape_description())?;
-            let line =
-                Line::new(SVector::zeros(), goal, task.duration, *degree).map_err(failure)?;
-            plan_along(robot, &line, task)
-        }
-        Path::Bezier { points } => {
-            let description = robot.shape_description();
-            let points = points.iter().map(|p| point("bezier", p, description));
-            let points = points.collect::<Outcome<Vec<SVector<f64, NX>>>>()?;
-            let curve = Bezier::new(&points, task.duration).map_err(failure)?;
-            plan_along(robot, &curve, task)
-        }
-    }
+/// A robot of given sizes. One instance per pair of sizes serves all robots that have them.
+type Shaped<'r, const NX: usize, const NS: usize> = dyn ShapeAccelerated<f64, NX, NS> + 'r;
+
+/// The planner's rows.
+type Samples<const NX: usize, const NS: usize> = Vec<shapebot_planner::Row<f64, NX, NS>>;
+
+/// Forces that a row takes.
+type Forces<'f, const N: usize, const NX: usize, const NS: usize> =
+    dyn Fn(&shapebot_planner::Row<f64, NX, NS>) -> SVector<f64, N> + 'f;
+
+/// Plans a task with a robot.
+pub(crate) fn plan<R, const N: usize, const NX: usize, const NS: usize>(
+    robot: &R,
+    task: &Task,
+) -> Outcome<PlannedMotion>
+where
+    R: Robot<f64, N, NX, NS>,
+{
+    plan_shaped::<N, NX, NS>(robot, &|row| generalised_force(robot, row), task)
 }
 
-fn point<const NX: usize>(
-    option: &str,
-    entries: &[f64],
-    description: &Description,
-) -> Outcome<SVector<f64, NX>> {
-    if entries.len() != NX {
-        let (found, names) = (entries.len(), description.outputs.join(", "));
-        let numbers = if found == 1 { "number" } else { "numbers" };
-        let message = format!(
-            "--{option} gives {found} {numbers} for a point, the robot's output has {NX}: {names}"
-        );
-        return Err(Failure::usage(message));
-    }
-    Ok(SVector::from_fn(|i, _| entries[i]))
-}
-
-fn plan_along<const NX: usize, const NS: usize>(
-    robot: &dyn ShapeAccelerated<f64, NX, NS>,
-    motion: &dyn DesiredMotion<f64, NX>,
-    task: &PlanTask,
+fn plan_shaped<const N: usize, const NX: usize, const NS: usize>(
+    robot: &Shaped<'_, NX, NS>,
+    force: &Forces<'_, N, NX, NS>,
+    task: &Task,
 ) -> Outcome<PlannedMotion> {
     let description = robot.shape_description();
-    let contributions = task.contributions(description)?;
-    let weighting = match &contributions {
-        Some(contributions) => Weighting::Contributions(contributions),
-        None => Weighting::MinimumNorm,
+    let planned = match &task.motion.value {
+        Motion::TwoPhases { goal, duration, shares } => {
+            let goal = desired::point(goal, description)?;
+            let phases = TwoPhases::new(SVector::zeros(), goal, *duration).map_err(failure)?;
+            plan_phases(robot, task, &phases, shares)?
+        }
+        _ => desired::with_motion(task, description, |motion| {
+            let request = Request {
+                motion,
+                samples: task.samples,
+                shares: &task.shares,
+                standing: task.standing,
+                start: None,
+            };
+            plan_phase(robot, task, &request).map(|phase| vec![phase])
+        })?,
     };
-    let request = Task::<_, f64, NS>::new(motion, task.samples)
-        .weighting(weighting)
-        .objective(task.objective);
-    let start = Instant::now();
-    let plan = shapebot_planner::plan(robot, &request).map_err(failure)?;
-    let elapsed = start.elapsed();
-    let rows = plan.rows(robot).map(|row| Row::of(&row)).collect();
-    let report = *plan.report();
-    Ok(PlannedMotion {
-        description: *description,
-        weights: contributions.clone(),
-        gain: rows_of(plan.gain()),
-        initial_gain: rows_of(plan.initial_gain()),
-        along: along(&plan),
-        output_rmse: report.output_rmse,
-        output_max_error: report.output_max_error,
-        output_end_error: report.output_end_error,
-        peak_shape: report.peak_shape.iter().copied().collect(),
-        cost: report.cost,
-        initial_cost: report.initial_cost,
-        iterations: report.iterations,
-        evaluations: report.evaluations,
-        termination: report.termination,
-        elapsed,
-        rows,
-    })
+    let planned = Joined::of(planned);
+    let files = files::files(description, &planned.samples, force)?;
+    Ok(planned.motion(robot, task, files))
 }
 
-/// K times the unit direction of the motion, if it is straight: all that such a task determines.
-fn along<const NX: usize, const NS: usize>(
-    plan: &Plan<'_, dyn DesiredMotion<f64, NX> + '_, f64, NX, NS>,
-) -> Option<Vec<f64>> {
-    let duration = plan.motion().duration();
-    let accelerations =
-        (1..20).map(|i| plan.at(duration * f64::from(i) / 20.0).desired.position[2]);
-    let accelerations: Vec<SVector<f64, NX>> = accelerations.collect();
-    let longest = accelerations.iter().copied().max_by(|a, b| a.dot(a).total_cmp(&b.dot(b)))?;
-    let length = longest.dot(&longest).sqrt();
-    if length == 0.0 {
-        return None;
+/// Plans both halves, the second from where the first ends.
+fn plan_phases<const NX: usize, const NS: usize>(
+    robot: &Shaped<'_, NX, NS>,
+    task: &Task,
+    phases: &TwoPhases<f64, NX>,
+    shares: &[shapebot_tasks::Shares; 2],
+) -> Outcome<Vec<Planned<NX, NS>>> {
+    let mut planned: Vec<Planned<NX, NS>> = Vec::new();
+    for (motion, shares) in phases.halves.iter().zip(shares) {
+        let last = planned.last().and_then(|phase| phase.samples.last());
+        let start = last.map(|last| Start {
+            position: last.position,
+            velocity: last.velocity,
+            shape: last.plan.shape,
+            shape_velocity: last.plan.shape_velocity,
+            shape_acceleration: Some(last.plan.shape_acceleration),
+        });
+        let samples = task.samples / 2 + 1;
+        let request = Request { motion, samples, shares, standing: [0.0; 2], start };
+        planned.push(plan_phase(robot, task, &request)?);
     }
-    let direction = longest / length;
-    let straight = |a: &SVector<f64, NX>| {
-        let across = a - direction * direction.dot(a);
-        across.dot(&across).sqrt() <= 1e-9 * length
-    };
-    accelerations.iter().all(straight).then(|| (plan.gain() * direction).iter().copied().collect())
+    Ok(planned)
 }
 
-fn rows_of<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> Vec<Vec<f64>> {
-    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+/// The phases of a plan, one after the other.
+struct Joined<const NX: usize, const NS: usize> {
+    samples: Samples<NX, NS>,
+    phases: Vec<Phase>,
+    elapsed: Duration,
+    duration: f64,
+    floor: Option<f64>,
+}
+
+impl<const NX: usize, const NS: usize> Joined<NX, NS> {
+    fn of(planned: Vec<Planned<NX, NS>>) -> Self {
+        let single = planned.len() == 1;
+        let mut joined = Self {
+            samples: Vec::new(),
+            phases: Vec::new(),
+            elapsed: Duration::ZERO,
+            duration: 0.0,
+            floor: None,
+        };
+        for mut phase in planned {
+            // Phases share the sample where they meet.
+            let shared = usize::from(!joined.samples.is_empty());
+            for row in &mut phase.samples {
+                row.plan.time += joined.duration;
+            }
+            joined.samples.extend(phase.samples.drain(shared..));
+            joined.elapsed += phase.elapsed;
+            joined.duration += phase.duration;
+            joined.floor = phase.floor.filter(|_| single);
+            joined.phases.push(phase.phase);
+        }
+        joined
+    }
+
+    fn motion(
+        self,
+        robot: &Shaped<'_, NX, NS>,
+        task: &Task,
+        files: motion::PlanFiles,
+    ) -> PlannedMotion {
+        let errors: Vec<(f64, f64)> = self
+            .samples
+            .iter()
+            .map(|row| (row.plan.time, row.output_error().dot(&row.output_error())))
+            .collect();
+        let slack = 1e-9 * self.duration;
+        let within = errors.iter().filter(|(t, _)| (-slack..=self.duration + slack).contains(t));
+        let peak = |index: usize| {
+            self.samples.iter().fold(0.0, |peak: f64, row| peak.max(row.plan.shape[index].abs()))
+        };
+        PlannedMotion {
+            description: *robot.shape_description(),
+            method: task.method,
+            output_rmse: root_mean(errors.iter().map(|(_, square)| *square)),
+            motion_rmse: root_mean(within.map(|(_, square)| *square)),
+            floor: self.floor,
+            output_max_error: errors.iter().fold(0.0_f64, |most, (_, e)| most.max(*e)).sqrt(),
+            output_end_error: errors.last().map_or(0.0, |(_, square)| square.sqrt()),
+            peak_shape: (0..NS).map(peak).collect(),
+            elapsed: self.elapsed,
+            rows: self.samples.iter().map(Row::of).collect(),
+            phases: self.phases,
+            files,
+        }
+    }
+}
+
+fn root_mean(squares: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) = squares.fold((0.0, 0.0), |(count, sum), square| (count + 1.0, sum + square));
+    if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
 }
 
 /// A task that makes no sense is the user's mistake, a plan that does not work out is refused.
@@ -124,12 +170,24 @@ fn failure(error: Error) -> Failure {
             Failure::usage(error)
         }
         Error::OutOfRange { coordinate, unit, time, value, lower, upper } => {
-            let (unit, [value, lower, upper]) = number::shown(unit, [value, lower, upper]);
-            Failure::refused(format!(
-                "`{coordinate}` would be {value} {unit} at t = {time} s, outside of its range {lower} to \
-                 {upper} {unit}: give the motion more time"
-            ))
+            let range = outside(coordinate, unit, time, [value, lower, upper]);
+            Failure::refused(format!("{range}: give the motion more time"))
+        }
+        Error::LimitExceeded { coordinate, unit, time, value, lower, upper, duration } => {
+            let range = outside(coordinate, unit, time, [value, lower, upper]);
+            Failure::refused(match duration {
+                Some(seconds) => format!("{range}: {seconds:.2} s for the motion would do"),
+                None => range,
+            })
         }
         _ => Failure::refused(error),
     }
+}
+
+fn outside(coordinate: &str, unit: &str, time: f64, numbers: [f64; 3]) -> String {
+    let (unit, [value, lower, upper]) = number::shown(unit, numbers);
+    format!(
+        "`{coordinate}` would be {value} {unit} at t = {time:.4} s, outside of its range {lower} to \
+         {upper} {unit}"
+    )
 }

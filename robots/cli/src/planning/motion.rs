@@ -2,6 +2,7 @@
 
 use shapebot_dynamics::Description;
 use shapebot_planner::Termination;
+use shapebot_tasks::Method;
 use std::time::Duration;
 
 /// A planned motion, what it was planned with and how well it does.
@@ -9,22 +10,57 @@ use std::time::Duration;
 pub(crate) struct PlannedMotion {
     /// The robot.
     pub(crate) description: Description,
-    /// Contribution of each shape set, if the plan was made with contributions.
-    pub(crate) weights: Option<Vec<f64>>,
-    /// K, n_s rows of n_x.
-    pub(crate) gain: Vec<Vec<f64>>,
-    /// K⁰.
-    pub(crate) initial_gain: Vec<Vec<f64>>,
-    /// K times the direction of a straight motion.
-    pub(crate) along: Option<Vec<f64>>,
-    /// Root of the mean squared error of the output.
+    /// How it was planned.
+    pub(crate) method: Method,
+    /// Its phases, one after the other: nearly always one.
+    pub(crate) phases: Vec<Phase>,
+    /// Root of the mean squared error of the output, over the whole window.
     pub(crate) output_rmse: f64,
+    /// The same within the motion's own time, without standing.
+    pub(crate) motion_rmse: f64,
+    /// Below which no plan's error over the same window can be.
+    pub(crate) floor: Option<f64>,
     /// Largest error of the output.
     pub(crate) output_max_error: f64,
     /// Error of the output at the end.
     pub(crate) output_end_error: f64,
     /// Largest magnitude of each shape coordinate.
     pub(crate) peak_shape: Vec<f64>,
+    /// Time that the planner took.
+    pub(crate) elapsed: Duration,
+    /// Samples.
+    pub(crate) rows: Vec<Row>,
+    /// The plan as files.
+    pub(crate) files: PlanFiles,
+}
+
+/// A phase of a plan.
+#[derive(Clone, Debug)]
+pub(crate) struct Phase {
+    /// Contribution of each shape set, if the plan was made with contributions.
+    pub(crate) weights: Option<Vec<f64>>,
+    /// K, n_s rows of n_x; K⁰ of a refined plan.
+    pub(crate) gain: Vec<Vec<f64>>,
+    /// What its method knows.
+    pub(crate) detail: Detail,
+}
+
+/// What a method knows about its plan.
+#[derive(Clone, Debug)]
+pub(crate) enum Detail {
+    /// The constant gain.
+    Gain(GainDetail),
+    /// The refined planner.
+    Refined(RefinedDetail),
+}
+
+/// What Algorithm 1 knows about its plan.
+#[derive(Clone, Debug)]
+pub(crate) struct GainDetail {
+    /// K⁰.
+    pub(crate) initial_gain: Vec<Vec<f64>>,
+    /// K times the direction of a straight motion.
+    pub(crate) along: Option<Vec<f64>>,
     /// Objective at K.
     pub(crate) cost: f64,
     /// Objective at K⁰.
@@ -35,10 +71,34 @@ pub(crate) struct PlannedMotion {
     pub(crate) evaluations: usize,
     /// Why the optimiser ended.
     pub(crate) termination: Termination,
-    /// Time that the planner took.
-    pub(crate) elapsed: Duration,
-    /// Samples.
-    pub(crate) rows: Vec<Row>,
+    /// What is doubtful.
+    pub(crate) warning: Option<String>,
+}
+
+/// What the refined planner knows about its plan.
+#[derive(Clone, Debug)]
+pub(crate) struct RefinedDetail {
+    /// τ², n_x rows, s².
+    pub(crate) time_constant: Vec<Vec<f64>>,
+    /// Spans of the spline.
+    pub(crate) spans: usize,
+    /// Sweeps of Γ.
+    pub(crate) sweeps: usize,
+    /// Evaluations of Γ.
+    pub(crate) evaluations: usize,
+    /// Whether the sweeps converged.
+    pub(crate) converged: bool,
+}
+
+/// A plan in the forms of [`shapebot_planner::value`], with the generalised forces that it takes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PlanFiles {
+    /// CSV.
+    pub(crate) csv: String,
+    /// JSON.
+    pub(crate) json: String,
+    /// Binary.
+    pub(crate) binary: Vec<u8>,
 }
 
 /// One sample of a planned motion.
@@ -73,8 +133,33 @@ impl Row {
     }
 }
 
+impl PlannedMotion {
+    /// Words for how the search ended.
+    pub(crate) fn termination(&self) -> &'static str {
+        let ends = self.phases.iter().map(|phase| phase.detail.termination());
+        let mut worst = "converged";
+        for end in ends {
+            if !worst.starts_with("not") {
+                worst = end;
+            }
+        }
+        worst
+    }
+}
+
+impl Detail {
+    /// Words for how the search ended.
+    pub(crate) const fn termination(&self) -> &'static str {
+        match self {
+            Self::Gain(gain) => termination(gain.termination),
+            Self::Refined(RefinedDetail { converged: true, .. }) => "converged",
+            Self::Refined(_) => "not converged: sweep limit",
+        }
+    }
+}
+
 /// Words for why the optimiser ended.
-pub(crate) const fn termination(termination: Termination) -> &'static str {
+const fn termination(termination: Termination) -> &'static str {
     match termination {
         Termination::SmallCost => "converged: small cost",
         Termination::SmallGradient => "converged: small gradient",

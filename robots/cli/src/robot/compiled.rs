@@ -3,9 +3,10 @@
 use super::{Dynamics, not_shape_accelerated};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::Outcome;
-use crate::planning::{self, PlanTask, PlannedMotion};
+use crate::planning::{self, PlannedMotion};
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Description, LagrangianSystem, Robot, ShapeAccelerated};
+use shapebot_tasks::Task;
 
 /// A Lagrangian system without Γ.
 pub(crate) struct Lagrangian<R, const N: usize>(pub(crate) R);
@@ -26,7 +27,7 @@ impl<R: LagrangianSystem<f64, N>, const N: usize> Dynamics for Lagrangian<R, N> 
         fill_lagrangian(&self.0, selection, state, results);
     }
 
-    fn plan(&self, _task: &PlanTask) -> Outcome<PlannedMotion> {
+    fn plan(&self, _task: &Task) -> Outcome<PlannedMotion> {
         Err(not_shape_accelerated(self.0.description().name))
     }
 }
@@ -48,7 +49,7 @@ where
         fill_shape(&self.0, selection, state, results);
     }
 
-    fn plan(&self, task: &PlanTask) -> Outcome<PlannedMotion> {
+    fn plan(&self, task: &Task) -> Outcome<PlannedMotion> {
         planning::plan(&self.0, task)
     }
 }

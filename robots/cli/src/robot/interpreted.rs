@@ -3,11 +3,12 @@
 use super::{Dynamics, ModelText, derive, not_shape_accelerated};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::{Failure, Outcome};
-use crate::planning::{self, PlanTask, PlannedMotion};
+use crate::planning::{self, PlannedMotion};
 use shapebot_codegen::derive::{Derivation, Parameters, Quantity};
 use shapebot_dynamics::Description;
 use shapebot_interpreter::{Error, Tapes, check_parameters, with_interpreted};
 use shapebot_model_dsl::model::Parameter;
+use shapebot_tasks::Task;
 use std::cell::RefCell;
 
 /// Reads, derives and compiles a model to tapes.
@@ -163,7 +164,7 @@ impl Dynamics for Interpreted {
         let _ = self.fill(selection, state, results);
     }
 
-    fn plan(&self, task: &PlanTask) -> Outcome<PlannedMotion> {
+    fn plan(&self, task: &Task) -> Outcome<PlannedMotion> {
         if !self.is_shape_accelerated() {
             return Err(not_shape_accelerated(&self.name));
         }

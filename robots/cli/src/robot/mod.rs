@@ -10,8 +10,9 @@ pub(crate) use text::{ModelText, derive, prove, rederive};
 
 use crate::commands::eval::{Results, Selection, Sizes, State};
 use crate::failure::{Failure, Outcome};
-use crate::planning::{PlanTask, PlannedMotion};
+use crate::planning::PlannedMotion;
 use shapebot_dynamics::Description;
+use shapebot_tasks::Task;
 use std::path::Path;
 
 /// A robot of any size whose parameters are set.
@@ -26,7 +27,7 @@ pub(crate) trait Dynamics {
     fn evaluate(&self, selection: &Selection, state: &State, results: &mut Results);
 
     /// Plans a motion.
-    fn plan(&self, task: &PlanTask) -> Outcome<PlannedMotion>;
+    fn plan(&self, task: &Task) -> Outcome<PlannedMotion>;
 
     /// Numbers of coordinates.
     fn sizes(&self) -> Sizes {

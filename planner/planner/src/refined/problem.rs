@@ -1,0 +1,329 @@
+//! The residual of a refined plan and its fixed linearisation.
+
+use super::basis::{Basis, ORDER, SpanBasis};
+use super::task::Start;
+use super::window::Window;
+use super::workspace::SpanCurve;
+use crate::Error;
+use crate::constraint::ShapeConstraint;
+use crate::integrate::{Accelerated, DoubleIntegral, Integrated};
+use crate::linear_algebra::{inverse, norm, solve};
+use crate::motion::{DesiredMotion, SmoothStep, Transfer};
+use crate::reference::OutputMap;
+use nalgebra::{SMatrix, SVector};
+use shapebot_dynamics::{Ordered, ShapeAccelerated};
+
+/// q̈_x = u − τ²ü near the origin, with q_s = K⁰u.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Linearised<T: Ordered, const NX: usize> {
+    /// τ² of the position variables: −∂Γ/∂q̈_s K⁰.
+    pub(crate) position: SMatrix<T, NX, NX>,
+    /// τ² of the output: the shape moves the output as well.
+    pub(crate) output: SMatrix<T, NX, NX>,
+    /// ∂h/∂q_x.
+    pub(crate) jacobian: SMatrix<T, NX, NX>,
+}
+
+impl<T: Ordered, const NX: usize> Linearised<T, NX> {
+    pub(crate) fn new<R, const NS: usize>(
+        robot: &R,
+        gain: &SMatrix<T, NS, NX>,
+        map: &OutputMap<T, NX>,
+    ) -> Result<Self, Error>
+    where
+        R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    {
+        let origin = SVector::zeros();
+        let position = -(robot.response(&origin, &origin, &origin).d_qsdd * gain);
+        let through_shape = robot.output_jacobian_shape(&SVector::zeros(), &origin) * gain;
+        let singular = Error::Singular { matrix: "output Jacobian" };
+        let output = position - solve(map.jacobian, through_shape).ok_or(singular)?;
+        if !crate::linear_algebra::is_finite(&output) {
+            return Err(Error::NonFiniteMatrix { matrix: "time constant of the response" });
+        }
+        Ok(Self { position, output, jacobian: map.jacobian })
+    }
+}
+
+/// The part of the start's shape that no virtual acceleration makes; it fades out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fade<T: Ordered, const NS: usize> {
+    pub(crate) shape: SVector<T, NS>,
+    pub(crate) rate: SVector<T, NS>,
+    pub(crate) begin: T,
+    pub(crate) duration: T,
+    pub(crate) step: SmoothStep,
+}
+
+impl<T: Ordered, const NS: usize> Fade<T, NS> {
+    /// (e + ė t)(1 − s) with two derivatives.
+    pub(crate) fn add(&self, time: T, shape: &mut [SVector<T, NS>; 3]) {
+        let t = time - self.begin;
+        if t >= self.duration {
+            return;
+        }
+        let s = self.step.derivatives(t / self.duration);
+        let (ds, dds) = (s[1] / self.duration, s[2] / (self.duration * self.duration));
+        let line = self.shape + self.rate * t;
+        shape[0] += line * (T::one() - s[0]);
+        shape[1] += self.rate * (T::one() - s[0]) - line * ds;
+        shape[2] -= self.rate * (ds + ds) + line * dds;
+    }
+}
+
+/// Everything that a sweep needs beside the control points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Problem<'p, R: ?Sized, M: ?Sized, C, T: Ordered, const NX: usize, const NS: usize>
+{
+    pub(crate) robot: &'p R,
+    pub(crate) motion: &'p M,
+    pub(crate) constraint: C,
+    pub(crate) window: Window<T>,
+    pub(crate) gain: SMatrix<T, NS, NX>,
+    pub(crate) linear: Linearised<T, NX>,
+    pub(crate) start: Start<T, NX, NS>,
+    pub(crate) fade: Option<Fade<T, NS>>,
+    /// How a start off the desired motion catches up: the error that is asked for, over time since the
+    /// window's start.
+    pub(crate) catch_up: Option<Transfer<T, NX>>,
+}
+
+/// One sample of a sweep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node<T: Ordered, const NX: usize, const NS: usize> {
+    pub(crate) index: usize,
+    pub(crate) span: usize,
+    pub(crate) sigma: T,
+    pub(crate) time: T,
+    /// q_s.
+    pub(crate) shape: SVector<T, NS>,
+    /// q̇_s.
+    pub(crate) shape_velocity: SVector<T, NS>,
+    /// z − τ²u: q_x if the robot were linear.
+    model: SVector<T, NX>,
+    /// u̇.
+    rate: SVector<T, NX>,
+    /// Γ − (u − τ²ü).
+    defect: SVector<T, NX>,
+}
+
+impl<T: Ordered, const NX: usize, const NS: usize> Accelerated<T> for Node<T, NX, NS> {
+    type Acceleration = SVector<T, NX>;
+    fn acceleration(&self) -> &Self::Acceleration {
+        &self.defect
+    }
+}
+
+impl<T: Ordered, const NX: usize, const NS: usize> Node<T, NX, NS> {
+    /// q_x.
+    pub(crate) fn position(&self, defect: &SVector<T, NX>) -> SVector<T, NX> {
+        self.model + defect
+    }
+}
+
+pub(crate) type Swept<T, const NX: usize, const NS: usize> =
+    Integrated<Node<T, NX, NS>, SVector<T, NX>>;
+
+impl<R, M, C, T, const NX: usize, const NS: usize> Problem<'_, R, M, C, T, NX, NS>
+where
+    T: Ordered,
+    R: ShapeAccelerated<T, NX, NS> + ?Sized,
+    M: DesiredMotion<T, NX> + ?Sized,
+    C: ShapeConstraint<T, NX, NS>,
+{
+    /// q_s, q̇_s, q̈_s.
+    pub(crate) fn shape(&self, time: T, u: &[SVector<T, NX>; 3]) -> [SVector<T, NS>; 3] {
+        let [a, b, c, ..] = self.constraint.shape(time);
+        let mut shape = [a + self.gain * u[0], b + self.gain * u[1], c + self.gain * u[2]];
+        if let Some(fade) = &self.fade {
+            fade.add(time, &mut shape);
+        }
+        shape
+    }
+
+    fn node(
+        &self,
+        index: usize,
+        place: (usize, T),
+        curve: &SpanCurve<T, NX>,
+        exact: bool,
+    ) -> Node<T, NX, NS> {
+        let (span, sigma) = place;
+        let time = self.window.time(index);
+        let u = curve.acceleration(sigma);
+        let [shape, shape_velocity, shape_acceleration] = self.shape(time, &u);
+        let defect = if exact {
+            self.robot.gamma(&shape, &shape_velocity, &shape_acceleration) - u[0]
+                + self.linear.position * u[2]
+        } else {
+            SVector::zeros()
+        };
+        let model = curve.flat(sigma) - self.linear.position * u[0];
+        Node { index, span, sigma, time, shape, shape_velocity, model, rate: u[1], defect }
+    }
+
+    /// The plan's samples as if the robot were linear.
+    pub(crate) fn linear_sweep<'s>(
+        &'s self,
+        basis: &'s Basis<T>,
+        points: &'s [SVector<T, NX>],
+    ) -> impl Iterator<Item = Swept<T, NX, NS>> + 's {
+        let zero = SVector::zeros();
+        let mut source = self.nodes(basis, points, false);
+        (0..self.window.count).map(move |index| Integrated {
+            sample: source(index),
+            velocity: zero,
+            position: zero,
+        })
+    }
+
+    /// Samples, to be asked for in order.
+    fn nodes<'s>(
+        &'s self,
+        basis: &'s Basis<T>,
+        points: &'s [SVector<T, NX>],
+        exact: bool,
+    ) -> impl FnMut(usize) -> Node<T, NX, NS> + 's {
+        let length = self.window.span_length();
+        let mut curve = SpanCurve::new(basis, points, 0, length);
+        let mut current = 0;
+        let mut places = self.window.places();
+        move |index| {
+            let place = places.next().unwrap_or((current, T::one()));
+            if place.0 != current {
+                current = place.0;
+                curve = SpanCurve::new(basis, points, current, length);
+            }
+            self.node(index, place, &curve, exact)
+        }
+    }
+
+    /// The plan's samples with the defect integrated twice from the start state.
+    pub(crate) fn sweep<'s>(
+        &'s self,
+        basis: &'s Basis<T>,
+        points: &'s [SVector<T, NX>],
+    ) -> impl ExactSizeIterator<Item = Swept<T, NX, NS>> + 's {
+        let length = self.window.span_length();
+        let curve = SpanCurve::new(basis, points, 0, length);
+        let first = self.node(0, (0, T::zero()), &curve, false);
+        let velocity = self.start.velocity - self.model_velocity(&first, &curve);
+        let position = self.start.position - first.model;
+        let source = self.nodes(basis, points, true);
+        DoubleIntegral::new(self.window.count, self.window.step(), velocity, position, source)
+    }
+
+    fn model_velocity(&self, node: &Node<T, NX, NS>, curve: &SpanCurve<T, NX>) -> SVector<T, NX> {
+        curve.flat_rate(node.sigma, self.window.span_length()) - self.linear.position * node.rate
+    }
+
+    /// h(q_x, q_s) − x^d at a sample.
+    pub(crate) fn output_error(&self, node: &Swept<T, NX, NS>) -> SVector<T, NX> {
+        let position = node.sample.position(&node.position);
+        self.robot.output(&position, &node.sample.shape) - self.motion.position(node.sample.time)
+    }
+
+    /// The part of that error which is not asked for.
+    pub(crate) fn unwanted(&self, time: T, error: &SVector<T, NX>) -> SVector<T, NX> {
+        match &self.catch_up {
+            None => *error,
+            Some(catch_up) => error - catch_up.position(time - self.window.start()),
+        }
+    }
+
+    /// The same for the output's velocity at the window's end.
+    pub(crate) fn output_velocity_error(
+        &self,
+        node: &Swept<T, NX, NS>,
+        curve: &SpanCurve<T, NX>,
+    ) -> SVector<T, NX> {
+        let position = node.sample.position(&node.position);
+        let velocity = self.model_velocity(&node.sample, curve) + node.velocity;
+        let by_shape = self.robot.output_jacobian_shape(&position, &node.sample.shape);
+        self.linear.jacobian * velocity + by_shape * node.sample.shape_velocity
+            - self.motion.derivatives(node.sample.time)[1]
+    }
+
+    /// Steps of the first control points from the end that cancel the end errors, last point first.
+    pub(crate) fn end_steps(
+        &self,
+        basis: &Basis<T>,
+        error: &SVector<T, NX>,
+        velocity_error: &SVector<T, NX>,
+    ) -> Option<[SVector<T, NX>; 5]> {
+        let inverse = inverse(self.linear.jacobian)?;
+        let zero = SVector::zeros();
+        let slope = inverse * velocity_error * self.window.span_length();
+        Some(basis.end_points(&[-(inverse * error), slope, zero, zero, zero]))
+    }
+}
+
+/// Sums of a residual times powers of σ over one span.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moments<T: Ordered, const NX: usize> {
+    pub(crate) span: usize,
+    sums: [SVector<T, NX>; ORDER],
+}
+
+impl<T: Ordered, const NX: usize> Moments<T, NX> {
+    pub(crate) fn new(span: usize) -> Self {
+        Self { span, sums: [SVector::zeros(); ORDER] }
+    }
+
+    #[inline]
+    pub(crate) fn add(&mut self, sigma: T, residual: &SVector<T, NX>) {
+        let mut weighted = *residual;
+        for sum in &mut self.sums {
+            *sum += weighted;
+            weighted *= sigma;
+        }
+    }
+
+    /// Adds Σ (b_i − τ² b̈_i)ᵀ Jᵀ r of the span to the gradient.
+    pub(crate) fn flush(
+        &self,
+        basis: &SpanBasis<T>,
+        linear: &Linearised<T, NX>,
+        length: T,
+        gradient: &mut [SVector<T, NX>],
+    ) {
+        let (jacobian, lag) = (linear.jacobian.transpose(), linear.output.transpose());
+        let curvatures = second_derivatives(basis, length);
+        let functions = basis.iter().zip(&curvatures);
+        for ((function, curvature), entry) in functions.zip(gradient.iter_mut().skip(self.span)) {
+            let mut plain = SVector::zeros();
+            let mut bent = SVector::zeros();
+            for (sum, &coefficient) in self.sums.iter().zip(function) {
+                plain += sum * coefficient;
+            }
+            for (sum, &coefficient) in self.sums.iter().zip(curvature) {
+                bent += sum * coefficient;
+            }
+            *entry += jacobian * plain - lag * (jacobian * bent);
+        }
+    }
+}
+
+/// b̈_i of a span as polynomials in σ, by time.
+pub(crate) fn second_derivatives<T: Ordered>(
+    basis: &SpanBasis<T>,
+    length: T,
+) -> [[T; ORDER - 2]; ORDER] {
+    let squared = T::one() / (length * length);
+    basis.map(|function| {
+        core::array::from_fn(|k| {
+            function[k + 2] * squared * T::from_f64(((k + 1) * (k + 2)) as f64)
+        })
+    })
+}
+
+/// Root of a sum of squares over `count` samples.
+pub(crate) fn root_mean<T: Ordered>(sum: T, count: usize) -> T {
+    (sum / T::from_f64(count as f64)).sqrt()
+}
+
+/// Largest of two magnitudes, the second that of a vector.
+pub(crate) fn larger<T: Ordered, const NX: usize>(a: T, b: &SVector<T, NX>) -> T {
+    let b = norm(b);
+    if b > a { b } else { a }
+}

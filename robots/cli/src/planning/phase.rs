@@ -1,0 +1,223 @@
+//! One phase of a plan: a motion with its shares, by either method.
+
+use super::desired::{constraint_lines, set_motions};
+use super::failure;
+use super::held::Held;
+use super::motion::{Detail, GainDetail, Phase, RefinedDetail};
+use super::shares::{contributions, default_contributions, limits};
+use super::{Samples, Shaped};
+use crate::failure::{Failure, Outcome};
+use nalgebra::{SMatrix, SVector};
+use shapebot_dynamics::Description;
+use shapebot_planner::motion::{DesiredMotion, Legs};
+use shapebot_planner::{
+    Constrained, Objective, Plan, Refinement, Start, Weighting, Workspace, choose_shares, refine,
+};
+use shapebot_tasks::{Method, Shares, Spare, Task};
+use std::time::{Duration, Instant};
+
+/// Control points of a refined plan: four per second for a minute, fewer per second beyond.
+const POINTS: usize = 256;
+
+type Motion<'m, const NX: usize> = dyn DesiredMotion<f64, NX> + 'm;
+
+/// A task at the planner's sizes.
+type Problem<'p, const NX: usize, const NS: usize> =
+    shapebot_planner::Task<'p, Motion<'p, NX>, f64, NS, Held<'p, NX, NS>>;
+
+/// What a phase is asked to do.
+pub(super) struct Request<'a, const NX: usize, const NS: usize> {
+    pub(super) motion: &'a Motion<'a, NX>,
+    pub(super) samples: usize,
+    pub(super) shares: &'a Shares,
+    pub(super) standing: [f64; 2],
+    /// Where the phase before ended.
+    pub(super) start: Option<Start<f64, NX, NS>>,
+}
+
+/// A phase that is planned.
+pub(super) struct Planned<const NX: usize, const NS: usize> {
+    /// With times since the phase's start.
+    pub(super) samples: Samples<NX, NS>,
+    pub(super) phase: Phase,
+    pub(super) floor: Option<f64>,
+    pub(super) elapsed: Duration,
+    /// Of the desired motion, seconds.
+    pub(super) duration: f64,
+}
+
+/// Plans a phase by the task's method.
+pub(super) fn plan_phase<'a, const NX: usize, const NS: usize>(
+    robot: &'a Shaped<'a, NX, NS>,
+    task: &Task,
+    request: &Request<'a, NX, NS>,
+) -> Outcome<Planned<NX, NS>> {
+    let description = robot.shape_description();
+    let lines = task.constraints.iter().map(|constraint| constraint_lines(constraint, description));
+    let lines = lines.collect::<Outcome<Vec<_>>>()?;
+    let legs = task.constraints.iter().zip(&lines).map(|(constraint, lines)| {
+        Legs::new(lines).map_err(|error| failure(error).at(&constraint.set.place))
+    });
+    let legs = legs.collect::<Outcome<Vec<_>>>()?;
+    let sets = set_motions(task, description, &legs)?;
+    let constrained = match sets.as_slice() {
+        [] => None,
+        sets => Some(Constrained::new(robot, sets).map_err(failure)?),
+    };
+    let shares = given_shares(request.shares, description)?;
+    let problem = shapebot_planner::Task::new(request.motion, request.samples)
+        .objective(objective(task))
+        .constraint(Held(constrained));
+    match task.method {
+        Method::Gain => gain_plan(robot, &problem, shares, request),
+        Method::Refined => refined_plan(robot, task, &problem, shares, request),
+    }
+}
+
+const fn objective(task: &Task) -> Objective {
+    match task.objective {
+        shapebot_tasks::Objective::Position => Objective::Output,
+        shapebot_tasks::Objective::Acceleration => Objective::Acceleration,
+        shapebot_tasks::Objective::Coordinates => Objective::Position,
+    }
+}
+
+/// Contributions, if the task or the robot's make gives them.
+fn given_shares(shares: &Shares, robot: &Description) -> Outcome<Option<Vec<f64>>> {
+    match shares {
+        Shares::Given(given) => contributions(given, robot).map(Some),
+        Shares::Default => Ok(default_contributions(robot.shape_sets)),
+        Shares::Automatic(_) => Ok(None),
+    }
+}
+
+fn weighting<const NS: usize>(shares: Option<&[f64]>) -> Weighting<'_, f64, NS> {
+    shares.map_or(Weighting::MinimumNorm, Weighting::Contributions)
+}
+
+fn gain_plan<const NX: usize, const NS: usize>(
+    robot: &Shaped<'_, NX, NS>,
+    problem: &Problem<'_, NX, NS>,
+    shares: Option<Vec<f64>>,
+    request: &Request<'_, NX, NS>,
+) -> Outcome<Planned<NX, NS>> {
+    if matches!(request.shares, Shares::Automatic(_)) {
+        return Err(Failure::usage("automatic shares are those of a refined plan"));
+    }
+    let problem = problem.weighting(weighting(shares.as_deref()));
+    let begin = Instant::now();
+    let plan = shapebot_planner::plan(robot, &problem).map_err(failure)?;
+    let elapsed = begin.elapsed();
+    let report = *plan.report();
+    let mut samples: Samples<NX, NS> = plan.rows(robot).collect();
+    if let Some(start) = &request.start {
+        carry(robot, &mut samples, start);
+    }
+    let detail = Detail::Gain(GainDetail {
+        initial_gain: rows_of(plan.initial_gain()),
+        along: along(&plan),
+        cost: report.cost,
+        initial_cost: report.initial_cost,
+        iterations: report.iterations,
+        evaluations: report.evaluations,
+        termination: report.termination,
+        warning: report.warning().map(|warning| warning.to_string()),
+    });
+    let gain = rows_of(plan.gain());
+    let phase = Phase { gain, detail, weights: shares.clone() };
+    let duration = request.motion.duration();
+    Ok(Planned { samples, phase, floor: None, elapsed, duration })
+}
+
+/// Begins a gain plan's motion where the phase before ended: Γ does not depend on where the robot is and
+/// how fast.
+fn carry<const NX: usize, const NS: usize>(
+    robot: &Shaped<'_, NX, NS>,
+    samples: &mut Samples<NX, NS>,
+    start: &Start<f64, NX, NS>,
+) {
+    let Some(first) = samples.first().copied() else {
+        return;
+    };
+    let (ahead, faster) = (start.position - first.position, start.velocity - first.velocity);
+    for row in samples {
+        row.position += ahead + faster * (row.plan.time - first.plan.time);
+        row.velocity += faster;
+        row.output = robot.output(&row.position, &row.plan.shape);
+    }
+}
+
+fn refined_plan<const NX: usize, const NS: usize>(
+    robot: &Shaped<'_, NX, NS>,
+    task: &Task,
+    problem: &Problem<'_, NX, NS>,
+    shares: Option<Vec<f64>>,
+    request: &Request<'_, NX, NS>,
+) -> Outcome<Planned<NX, NS>> {
+    let [standing_before, standing_after] = request.standing;
+    let refinement = Refinement {
+        standing_before,
+        standing_after,
+        start: request.start,
+        limits: limits(&task.limits, robot.shape_description())?,
+        ..Refinement::default()
+    };
+    let mut workspace = Box::new(Workspace::<f64, NX, POINTS>::new());
+    let begin = Instant::now();
+    let shares = match request.shares {
+        Shares::Automatic(spare) => {
+            let mut shares = vec![0.0; robot.shape_description().shape_sets.len()];
+            let spare = match spare {
+                Spare::Unactuated => shapebot_planner::Spare::Unactuated,
+                Spare::Actuated => shapebot_planner::Spare::Actuated,
+            };
+            choose_shares(robot, problem, &refinement, spare, &mut shares, &mut workspace)
+                .map_err(failure)?;
+            Some(shares)
+        }
+        _ => shares,
+    };
+    let problem = problem.weighting(weighting(shares.as_deref()));
+    let plan = refine(robot, &problem, &refinement, &mut workspace).map_err(failure)?;
+    let elapsed = begin.elapsed();
+    let report = plan.report();
+    let detail = Detail::Refined(RefinedDetail {
+        time_constant: rows_of(plan.time_constant()),
+        spans: report.spans,
+        sweeps: report.sweeps,
+        evaluations: report.evaluations,
+        converged: report.converged,
+    });
+    Ok(Planned {
+        samples: plan.rows(robot, 1).map_err(failure)?.collect(),
+        phase: Phase { gain: rows_of(plan.gain()), detail, weights: shares.clone() },
+        floor: plan.floor(),
+        elapsed,
+        duration: request.motion.duration(),
+    })
+}
+
+/// K times the unit direction of the motion, if it is straight: all that such a task determines.
+fn along<const NX: usize, const NS: usize>(
+    plan: &Plan<'_, Motion<'_, NX>, f64, NX, NS, Held<'_, NX, NS>>,
+) -> Option<Vec<f64>> {
+    let duration = plan.motion().duration();
+    let accelerations =
+        (1..20).map(|i| plan.at(duration * f64::from(i) / 20.0).desired.position[2]);
+    let accelerations: Vec<SVector<f64, NX>> = accelerations.collect();
+    let longest = accelerations.iter().copied().max_by(|a, b| a.dot(a).total_cmp(&b.dot(b)))?;
+    let length = longest.dot(&longest).sqrt();
+    if length == 0.0 {
+        return None;
+    }
+    let direction = longest / length;
+    let straight = |a: &SVector<f64, NX>| {
+        let across = a - direction * direction.dot(a);
+        across.dot(&across).sqrt() <= 1e-9 * length
+    };
+    accelerations.iter().all(straight).then(|| (plan.gain() * direction).iter().copied().collect())
+}
+
+fn rows_of<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+}

@@ -1,0 +1,118 @@
+//! How the shape sets share the work, at the robot's sizes.
+
+use super::desired::shape_set;
+use crate::failure::{Failure, Outcome};
+use nalgebra::SVector;
+use shapebot_dynamics::{Description, ShapeSet};
+use shapebot_tasks::{Quantities, Said};
+
+/// Contributions in the order of the robot's shape sets.
+pub(super) fn contributions(
+    given: &[(Said<String>, f64)],
+    robot: &Description,
+) -> Outcome<Vec<f64>> {
+    let mut contributions = vec![None; robot.shape_sets.len()];
+    for (set, value) in given {
+        let index = shape_set(set, robot)?;
+        if contributions[index].replace(*value).is_some() {
+            let message = format!("the weight of `{}` is given twice", set.value);
+            return Err(Failure::usage(message).at(&set.place));
+        }
+    }
+    Ok(contributions.into_iter().map(Option::unwrap_or_default).collect())
+}
+
+/// Everything from the one free set without an actuator if there is exactly one among several, else the
+/// smallest shape.
+pub(super) fn default_contributions(sets: &[ShapeSet]) -> Option<Vec<f64>> {
+    let lone = sets.len() > 1 && sets.iter().filter(|set| !set.actuated).count() == 1;
+    lone.then(|| sets.iter().map(|set| if set.actuated { 0.0 } else { 1.0 }).collect())
+}
+
+/// Bounds on the magnitude of the shape coordinates: those of sets without a limit at their range.
+pub(super) fn limits<const NS: usize>(
+    given: &[(Said<String>, Quantities)],
+    robot: &Description,
+) -> Outcome<Option<SVector<f64, NS>>> {
+    if given.is_empty() {
+        return Ok(None);
+    }
+    let coordinates = robot.shape_coordinates();
+    let mut limits = SVector::from_fn(|i, _| {
+        let range = coordinates.get(i).map_or(f64::MAX, |c| c.lower.abs().max(c.upper.abs()));
+        range.min(f64::MAX)
+    });
+    for (said, Quantities { values, dimension }) in given {
+        let set = &robot.shape_sets[shape_set(said, robot)?];
+        let wrong = |message: String| Err(Failure::usage(message).at(&said.place));
+        if values.len() != 1 && values.len() != set.len {
+            return wrong(format!("expected one number or {}, found {}", set.len, values.len()));
+        }
+        for k in 0..set.len {
+            let unit = coordinates.get(set.first + k).map_or("rad", |c| c.unit);
+            if unit != dimension.unit() {
+                return wrong(format!("expected {unit}, found {}", dimension.unit()));
+            }
+            limits[set.first + k] = values[k % values.len()];
+        }
+    }
+    Ok(Some(limits))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{contributions, default_contributions, limits};
+    use shapebot_dynamics::{Description, ShapeSet};
+    use shapebot_tasks::Said;
+
+    const SETS: [ShapeSet; 2] = [
+        ShapeSet { name: "alpha", first: 0, len: 2, actuated: true },
+        ShapeSet { name: "phi", first: 2, len: 2, actuated: false },
+    ];
+
+    fn said(name: &str) -> Said<String> {
+        Said { value: name.to_owned(), place: "t.toml:3:4: `shares`".to_owned() }
+    }
+
+    #[test]
+    fn by_default_the_unactuated_set_does_it_all() {
+        assert_eq!(default_contributions(&SETS), Some(vec![0.0, 1.0]));
+        assert_eq!(default_contributions(&SETS[1..]), None);
+    }
+
+    #[test]
+    fn sets_without_a_weight_rest() {
+        let given = [(said("phi"), 1.0)];
+        assert_eq!(contributions(&given, &description()).unwrap(), [0.0, 1.0]);
+    }
+
+    #[test]
+    fn unknown_and_repeated_sets_are_refused() {
+        let pair = |name: &str| (said(name), 0.5);
+        assert!(contributions(&[pair("phy")], &description()).is_err());
+        assert!(contributions(&[pair("phi"), pair("phi")], &description()).is_err());
+    }
+
+    #[test]
+    fn limits_are_per_set_or_per_coordinate() {
+        assert_eq!(limits::<4>(&[], &description()).unwrap(), None);
+    }
+
+    fn description() -> Description {
+        Description {
+            name: "r",
+            summary: "",
+            coordinates: &[],
+            position_count: 0,
+            shape_sets: &SETS,
+            actuators: &[],
+            parameters: &[],
+            outputs: &[],
+            output_unit: "m",
+            frames: &[],
+            points: &[],
+            geometry: &[],
+            friction: &[],
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Numbers with a unit: `"5 s"`, `"2, 0 m"`.
+
+use std::f64::consts::PI;
+
+/// What a unit measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// Seconds.
+    Time,
+    /// Metres.
+    Length,
+    /// Radians.
+    Angle,
+}
+
+impl Dimension {
+    /// The unit that values are converted to.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Time => "s",
+            Self::Length => "m",
+            Self::Angle => "rad",
+        }
+    }
+}
+
+/// Unit, what it measures, and how much of the base unit it is.
+const UNITS: [(&str, Dimension, f64); 8] = [
+    ("s", Dimension::Time, 1.0),
+    ("ms", Dimension::Time, 1e-3),
+    ("min", Dimension::Time, 60.0),
+    ("m", Dimension::Length, 1.0),
+    ("cm", Dimension::Length, 1e-2),
+    ("mm", Dimension::Length, 1e-3),
+    ("rad", Dimension::Angle, 1.0),
+    ("deg", Dimension::Angle, PI / 180.0),
+];
+
+/// One or several numbers of one unit, in seconds, metres or radians.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantities {
+    /// The numbers.
+    pub values: Vec<f64>,
+    /// What they measure.
+    pub dimension: Dimension,
+}
+
+impl Quantities {
+    /// From text such as `2, 0 m`: numbers with commas between them, then the unit.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let trimmed = text.trim();
+        let split = trimmed.rfind(|c: char| !c.is_ascii_alphabetic()).map_or(0, |at| at + 1);
+        let (numbers, unit) = trimmed.split_at(split);
+        let Some(&(_, dimension, factor)) = UNITS.iter().find(|(name, ..)| *name == unit) else {
+            let known: Vec<&str> = UNITS.iter().map(|(name, ..)| *name).collect();
+            let found = if unit.is_empty() { "no unit".into() } else { format!("unit `{unit}`") };
+            return Err(format!("{found} in \"{text}\"; units: {}", known.join(", ")));
+        };
+        let number = |text: &str| match text.trim().parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value * factor),
+            _ => Err(format!("`{}` is no finite number", text.trim())),
+        };
+        let values = numbers.split(',').map(number).collect::<Result<_, _>>()?;
+        Ok(Self { values, dimension })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Dimension, Quantities};
+
+    #[test]
+    fn units_are_converted_and_demanded() {
+        let read = |text| Quantities::parse(text).map(|q| (q.values, q.dimension));
+        assert_eq!(read("2, -0.5 m"), Ok((vec![2.0, -0.5], Dimension::Length)));
+        assert_eq!(read("180deg").unwrap().0[0], std::f64::consts::PI);
+        assert_eq!(read("1e3 ms"), Ok((vec![1.0], Dimension::Time)));
+        for wrong in ["5", "5 ft", "m", "", "1,,2 m", "nan s", "inf m", "1e999 s", "2 m 3"] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
+    }
+}
