@@ -58,8 +58,14 @@ enum Piece<const NX: usize> {
 }
 
 impl<const NX: usize> Piece<NX> {
-    /// A motion that begins at a point.
-    fn new(motion: &Motion, from: SVector<f64, NX>, robot: &Description) -> Outcome<Self> {
+    /// A motion that begins at a point; `place` is where the task says it.
+    fn new(
+        motion: &Motion,
+        from: SVector<f64, NX>,
+        robot: &Description,
+        place: &str,
+    ) -> Outcome<Self> {
+        let failure = |error| failure(error).at(place);
         Ok(match motion {
             Motion::Line { goal, degree, duration } => {
                 let line = Line::new(from, point(goal, robot)?, *duration, *degree);
@@ -114,7 +120,7 @@ pub(super) fn with_motion<const NX: usize, O>(
     let mut at = SVector::zeros();
     let mut pieces = Vec::new();
     for leg in legs {
-        let mut piece = Piece::new(leg, at, robot).map_err(|e| e.at(&task.motion.place))?;
+        let mut piece = Piece::new(leg, at, robot, &task.motion.place)?;
         {
             let motion = piece.motion().map_err(|e| e.at(&task.motion.place))?;
             at = motion.position(motion.duration());

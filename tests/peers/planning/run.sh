@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Direct collocation beside our planners on the task of Table II. Needs python3 with venv, network access
+# to PyPI on the first run, and Rust; keeps everything in target/. Arguments go to collocation.py.
+set -euo pipefail
+cd "$(dirname "$0")/../../.."
+venv="target/venv"
+plans="target/peers/planning"
+
+if ! "$venv/bin/python" -c "import casadi, numpy" 2>/dev/null; then
+    python3 -m venv "$venv"
+    "$venv/bin/pip" install --quiet casadi==3.8.2 numpy
+fi
+
+# SHAPEBOT names a tool that is built already.
+if [ -z "${SHAPEBOT:-}" ]; then
+    cargo build --release --quiet -p shapebot
+    SHAPEBOT="${CARGO_TARGET_DIR:-target}/release/shapebot"
+fi
+for task in cartpole ballbot_planar ballbot3d ballbot3d_arms; do
+    for method in gain refined; do
+        "$SHAPEBOT" plan "table2_$task" --method "$method" -o "$plans/$method" >/dev/null
+    done
+done
+
+"$venv/bin/python" tests/peers/planning/collocation.py --plans "$plans" "$@"
