@@ -50,7 +50,7 @@ pub(crate) enum Command {
     /// Writes the specialised Rust code of a model
     Emit(EmitArgs),
     /// Plans a motion
-    Plan(PlanArgs),
+    Plan(Box<PlanArgs>),
     /// Evaluates dynamics: JSON lines in, JSON lines out
     Eval(EvalArgs),
     /// Explains a diagnostic code, or lists all of them

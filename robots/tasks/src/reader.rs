@@ -152,7 +152,7 @@ impl<'s> Table<'s> {
 
     /// Refuses keys that are not known.
     pub(crate) fn only(&self, known: &[&str]) -> Outcome<()> {
-        let unknown = self.table.iter().find(|(key, _)| !known.contains(&&*key.get_ref().as_ref()));
+        let unknown = self.table.iter().find(|(key, _)| !known.contains(&key.get_ref().as_ref()));
         let Some((key, _)) = unknown else {
             return Ok(());
         };

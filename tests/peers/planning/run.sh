@@ -22,4 +22,4 @@ for task in cartpole ballbot_planar ballbot3d ballbot3d_arms; do
     done
 done
 
-"$venv/bin/python" tests/peers/planning/collocation.py --plans "$plans" "$@"
+PYTHONDONTWRITEBYTECODE=1 "$venv/bin/python" tests/peers/planning/collocation.py --plans "$plans" "$@"

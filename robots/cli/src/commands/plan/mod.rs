@@ -17,7 +17,7 @@ pub(crate) use request::task;
 
 pub(crate) fn run(args: &PlanArgs) -> Outcome {
     let Request { name, robot, task } = request::request(args)?;
-    let motion = robot.dynamics(&args.parameters.values)?.plan(&task)?;
+    let motion = robot.plan(&task)?;
     let mut stdout = anstream::stdout().lock();
     let title = task.title.clone();
     let title = title

@@ -2,7 +2,7 @@
 
 use crate::args::{self, PlanArgs, Point};
 use crate::failure::{Failure, Outcome};
-use crate::robot::{self, Bundled, Source, bundled};
+use crate::robot::{self, Bundled, Dynamics, Source, bundled};
 use shapebot_dynamics::Description;
 use shapebot_tasks::{
     Dimension, Method, Motion, Objective, Quantities, Said, Shares, TASKS, Task, parse,
@@ -16,7 +16,8 @@ const DEGREE: usize = 9;
 pub(super) struct Request {
     /// For the names of files.
     pub(super) name: String,
-    pub(super) robot: Source,
+    /// With its parameters set.
+    pub(super) robot: Box<dyn Dynamics>,
     pub(super) task: Task,
 }
 
@@ -24,12 +25,12 @@ pub(super) struct Request {
 pub(super) fn request(args: &PlanArgs) -> Outcome<Request> {
     let subject = &args.subject;
     let mut request = if subject.ends_with(".toml") {
-        of_file(Path::new(subject))?
+        of_file(args, Path::new(subject))?
     } else if is_robot(subject) {
         of_robot(args)?
     } else if shapebot_tasks::text(subject).is_some() {
         let (robot, task) = task(subject)?;
-        Request { name: subject.clone(), robot, task }
+        Request { name: subject.clone(), robot: robot.dynamics(&args.parameters.values)?, task }
     } else {
         let tasks = TASKS.iter().map(|(name, _)| *name);
         let known = bundled().map(Bundled::name).chain(tasks);
@@ -78,7 +79,7 @@ pub(crate) fn task(name: &str) -> Outcome<(Source, Task)> {
 /// A longer file is no task.
 const LONGEST_FILE: u64 = 1 << 20;
 
-fn of_file(path: &Path) -> Outcome<Request> {
+fn of_file(args: &PlanArgs, path: &Path) -> Outcome<Request> {
     let failure = |error| Failure::file("read", path, &error);
     if std::fs::metadata(path).map_err(failure)?.len() > LONGEST_FILE {
         return Err(Failure::usage(format!("{} is too long for a task", path.display())));
@@ -94,15 +95,15 @@ fn of_file(path: &Path) -> Outcome<Request> {
         robot::open(named)
     };
     let robot = robot.map_err(|e| e.at(&task.robot.place))?;
+    let robot = robot.dynamics(&args.parameters.values)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Request { name, robot, task })
 }
 
 /// A robot with the motion that the options give.
 fn of_robot(args: &PlanArgs) -> Outcome<Request> {
-    let robot = robot::open(&args.subject)?;
-    let dynamics = robot.dynamics(&args.parameters.values)?;
-    let description = dynamics.description();
+    let robot = robot::open(&args.subject)?.dynamics(&args.parameters.values)?;
+    let description = robot.description();
     let Some(duration) = args.duration else {
         return Err(Failure::usage("a robot's motion needs --duration SECONDS"));
     };
@@ -124,7 +125,8 @@ fn of_robot(args: &PlanArgs) -> Outcome<Request> {
         motion: said("", motion),
         constraints: Vec::new(),
     };
-    Ok(Request { name: description.name.to_owned(), robot, task })
+    let name = description.name.to_owned();
+    Ok(Request { name, robot, task })
 }
 
 fn motion(args: &PlanArgs, duration: f64, robot: &Description) -> Outcome<Motion> {
