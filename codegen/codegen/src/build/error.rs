@@ -33,7 +33,7 @@ pub enum BuildError {
         /// Why.
         error: io::Error,
     },
-    /// Neither `OUT_DIR` nor [`Build::out_dir`] says where to write.
+    /// Neither `OUT_DIR` nor [`Build::out_dir`](crate::Build::out_dir) says where to write.
     NoOutDir,
     /// Several of these.
     Several(Vec<Self>),

@@ -1,7 +1,7 @@
 //! From a checked model to its equations of motion and derived functions.
 //!
 //! [`equations`] lowers the model and forms M, C q̇ and G with parameters as symbols; the structure
-//! proof judges them; [`derive`] then builds each function in several ways and keeps the cheapest.
+//! proof judges them; [`derive()`] then builds each function in several ways and keeps the cheapest.
 
 mod check;
 mod composite;
@@ -73,7 +73,7 @@ pub fn derive(model: &Model, parameters: Parameters) -> Result<Derivation, Vec<D
 ///
 /// # Errors
 ///
-/// As [`derive`].
+/// As [`derive()`].
 pub fn prove(model: &Model) -> Result<(Equations, Certificate), Vec<Diagnostic>> {
     let equations = equations(model)?;
     let certificate = proof::prove(model, &equations)?;

@@ -2,7 +2,7 @@
 //!
 //! One outer-documented module per model, fit for `include!`: parameters, the robot's type, the traits'
 //! implementations as straight-line code, and the same with the model's own values folded in. Bodies
-//! are syntax trees built from the graph ([`plan`] decides what gets a name, [`body`] writes it), frames
+//! are syntax trees built from the graph (`plan` decides what gets a name, `body` writes it), frames
 //! and tables come from templates.
 
 mod body;

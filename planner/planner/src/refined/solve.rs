@@ -23,7 +23,7 @@ use shapebot_dynamics::{Ordered, Robot, ShapeAccelerated};
 /// Near the origin ẍ = u − τ²ü: this operator, on the flat output z with u = z̈, is the fixed Jacobian
 /// of the problem. It is factored once; each sweep evaluates Γ once per sample and corrects for the
 /// difference. At the end u, u̇ and ü are zero, at the start as well unless the plan begins in a given
-/// [`Start`]: from there q_s and q̇_s are continuous.
+/// [`Start`](crate::refined::Start): from there q_s and q̇_s are continuous.
 ///
 /// Objective, optimiser and free gain rows of the task do not apply: the output's position error is
 /// minimised over all of u.
