@@ -5,6 +5,8 @@ use shapebot_model_dsl::model::{
     Axis, CoordinateId, Expr, ExprId, FrameId, Function, Model, ParameterId, Vector, VectorId,
 };
 use shapebot_symbolic::nearest;
+use std::cell::RefCell;
+use std::collections::HashMap;
 
 /// A value and its partial derivatives by the coordinates, at q = 0 and at rest.
 #[derive(Clone, Debug)]
@@ -33,24 +35,51 @@ impl Jet {
 
 /// The value of an expression.
 pub(super) fn value(model: &Model, id: ExprId) -> f64 {
-    Evaluation { model }.scalar(id).value
+    Evaluation::new(model).scalar(id).value
 }
 
 /// Its partial derivatives at the origin.
 pub(super) fn slopes(model: &Model, id: ExprId) -> Vec<f64> {
-    Evaluation { model }.scalar(id).slopes
+    Evaluation::new(model).scalar(id).slopes
 }
 
 struct Evaluation<'m> {
     model: &'m Model,
+    /// A `let` is one node however often it is used: each is evaluated once, or a chain of doublings
+    /// would take exponential time.
+    scalars: RefCell<HashMap<ExprId, Jet>>,
+    vectors: RefCell<HashMap<VectorId, [Jet; 3]>>,
 }
 
-impl Evaluation<'_> {
+impl<'m> Evaluation<'m> {
+    fn new(model: &'m Model) -> Self {
+        Self { model, scalars: RefCell::default(), vectors: RefCell::default() }
+    }
+
+    fn scalar(&self, id: ExprId) -> Jet {
+        if let Some(known) = self.scalars.borrow().get(&id) {
+            return known.clone();
+        }
+        let jet = self.evaluate(id);
+        self.scalars.borrow_mut().insert(id, jet.clone());
+        jet
+    }
+
+    /// World components.
+    fn vector(&self, id: VectorId) -> [Jet; 3] {
+        if let Some(known) = self.vectors.borrow().get(&id) {
+            return known.clone();
+        }
+        let jets = self.evaluate_vector(id);
+        self.vectors.borrow_mut().insert(id, jets.clone());
+        jets
+    }
+
     fn constant(&self, value: f64) -> Jet {
         Jet::constant(value, self.model.coordinates.len())
     }
 
-    fn scalar(&self, id: ExprId) -> Jet {
+    fn evaluate(&self, id: ExprId) -> Jet {
         match self.model.expr(id) {
             Expr::Number(number) => self.constant(nearest(number)),
             Expr::Pi => self.constant(std::f64::consts::PI),
@@ -110,8 +139,7 @@ impl Evaluation<'_> {
         }
     }
 
-    /// World components.
-    fn vector(&self, id: VectorId) -> [Jet; 3] {
+    fn evaluate_vector(&self, id: VectorId) -> [Jet; 3] {
         match self.model.vector(id) {
             Vector::InFrame(v) => self.to_world(v.frame, v.entries.map(|e| self.scalar(e))),
             Vector::Sum(terms) => {
@@ -179,4 +207,25 @@ fn product(a: &Jet, b: &Jet) -> Jet {
 fn dot(a: &[Jet; 3], b: &[Jet; 3]) -> Jet {
     let part = |k: usize| product(&a[k], &b[k]);
     sum(&sum(&part(0), &part(1)), &part(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chain_of_doublings_is_evaluated_once_per_link() {
+        let mut lets = String::from("let a0 = x;\n");
+        for i in 1..=60 {
+            lets += &format!("let a{i} = a{} + a{};\n", i - 1, i - 1);
+        }
+        let text = format!(
+            "robot Chain {{ params {{ m: kg = 1; }} position x: m; {lets}
+             kinetic 1/2*m*d/dt(x)^2; actuator f on d/dt(a60); }}"
+        );
+        let parsed = shapebot_model_dsl::parse("chain.robot", &text);
+        let model = parsed.model.expect("a model");
+        let slope = slopes(&model, model.actuators[0].displacement);
+        assert_eq!(slope, vec![2_f64.powi(60)]);
+    }
 }
