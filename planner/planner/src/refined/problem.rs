@@ -97,12 +97,8 @@ pub(crate) struct Node<T: Ordered, const NX: usize, const NS: usize> {
     pub(crate) time: T,
     /// q_s.
     pub(crate) shape: SVector<T, NS>,
-    /// q̇_s.
-    pub(crate) shape_velocity: SVector<T, NS>,
     /// z − τ²u: q_x if the robot were linear.
     model: SVector<T, NX>,
-    /// u̇.
-    rate: SVector<T, NX>,
     /// Γ − (u − τ²ü).
     defect: SVector<T, NX>,
 }
@@ -132,6 +128,7 @@ where
     C: ShapeConstraint<T, NX, NS>,
 {
     /// q_s, q̇_s, q̈_s.
+    #[inline(always)]
     pub(crate) fn shape(&self, time: T, u: &[SVector<T, NX>; 3]) -> [SVector<T, NS>; 3] {
         let [a, b, c, ..] = self.constraint.shape(time);
         let mut shape = [a + self.gain * u[0], b + self.gain * u[1], c + self.gain * u[2]];
@@ -141,40 +138,16 @@ where
         shape
     }
 
-    fn node(
-        &self,
-        index: usize,
-        place: (usize, T),
-        curve: &SpanCurve<T, NX>,
-        exact: bool,
-    ) -> Node<T, NX, NS> {
+    #[inline(always)]
+    fn node(&self, index: usize, place: (usize, T), curve: &SpanCurve<T, NX>) -> Node<T, NX, NS> {
         let (span, sigma) = place;
         let time = self.window.time(index);
         let u = curve.acceleration(sigma);
         let [shape, shape_velocity, shape_acceleration] = self.shape(time, &u);
-        let defect = if exact {
-            self.robot.gamma(&shape, &shape_velocity, &shape_acceleration) - u[0]
-                + self.linear.position * u[2]
-        } else {
-            SVector::zeros()
-        };
+        let defect = self.robot.gamma(&shape, &shape_velocity, &shape_acceleration) - u[0]
+            + self.linear.position * u[2];
         let model = curve.flat(sigma) - self.linear.position * u[0];
-        Node { index, span, sigma, time, shape, shape_velocity, model, rate: u[1], defect }
-    }
-
-    /// The plan's samples as if the robot were linear.
-    pub(crate) fn linear_sweep<'s>(
-        &'s self,
-        basis: &'s Basis<T>,
-        points: &'s [SVector<T, NX>],
-    ) -> impl Iterator<Item = Swept<T, NX, NS>> + 's {
-        let zero = SVector::zeros();
-        let mut source = self.nodes(basis, points, false);
-        (0..self.window.count).map(move |index| Integrated {
-            sample: source(index),
-            velocity: zero,
-            position: zero,
-        })
+        Node { index, span, sigma, time, shape, model, defect }
     }
 
     /// Samples, to be asked for in order.
@@ -182,7 +155,6 @@ where
         &'s self,
         basis: &'s Basis<T>,
         points: &'s [SVector<T, NX>],
-        exact: bool,
     ) -> impl FnMut(usize) -> Node<T, NX, NS> + 's {
         let length = self.window.span_length();
         let mut curve = SpanCurve::new(basis, points, 0, length);
@@ -194,7 +166,7 @@ where
                 current = place.0;
                 curve = SpanCurve::new(basis, points, current, length);
             }
-            self.node(index, place, &curve, exact)
+            self.node(index, place, &curve)
         }
     }
 
@@ -206,15 +178,18 @@ where
     ) -> impl ExactSizeIterator<Item = Swept<T, NX, NS>> + 's {
         let length = self.window.span_length();
         let curve = SpanCurve::new(basis, points, 0, length);
-        let first = self.node(0, (0, T::zero()), &curve, false);
-        let velocity = self.start.velocity - self.model_velocity(&first, &curve);
-        let position = self.start.position - first.model;
-        let source = self.nodes(basis, points, true);
+        let [u, ..] = curve.acceleration(T::zero());
+        let velocity = self.start.velocity - self.model_velocity(T::zero(), &curve);
+        let model = curve.flat(T::zero()) - self.linear.position * u;
+        let position = self.start.position - model;
+        let source = self.nodes(basis, points);
         DoubleIntegral::new(self.window.count, self.window.step(), velocity, position, source)
     }
 
-    fn model_velocity(&self, node: &Node<T, NX, NS>, curve: &SpanCurve<T, NX>) -> SVector<T, NX> {
-        curve.flat_rate(node.sigma, self.window.span_length()) - self.linear.position * node.rate
+    /// ż − τ²u̇.
+    fn model_velocity(&self, sigma: T, curve: &SpanCurve<T, NX>) -> SVector<T, NX> {
+        let [_, rate, _] = curve.acceleration(sigma);
+        curve.flat_rate(sigma, self.window.span_length()) - self.linear.position * rate
     }
 
     /// h(q_x, q_s) − x^d at a sample.
@@ -238,9 +213,10 @@ where
         curve: &SpanCurve<T, NX>,
     ) -> SVector<T, NX> {
         let position = node.sample.position(&node.position);
-        let velocity = self.model_velocity(&node.sample, curve) + node.velocity;
+        let velocity = self.model_velocity(node.sample.sigma, curve) + node.velocity;
+        let [_, rate, _] = self.shape(node.sample.time, &curve.acceleration(node.sample.sigma));
         let by_shape = self.robot.output_jacobian_shape(&position, &node.sample.shape);
-        self.linear.jacobian * velocity + by_shape * node.sample.shape_velocity
+        self.linear.jacobian * velocity + by_shape * rate
             - self.motion.derivatives(node.sample.time)[1]
     }
 
@@ -288,33 +264,22 @@ impl<T: Ordered, const NX: usize> Moments<T, NX> {
         gradient: &mut [SVector<T, NX>],
     ) {
         let (jacobian, lag) = (linear.jacobian.transpose(), linear.output.transpose());
-        let curvatures = second_derivatives(basis, length);
-        let functions = basis.iter().zip(&curvatures);
-        for ((function, curvature), entry) in functions.zip(gradient.iter_mut().skip(self.span)) {
-            let mut plain = SVector::zeros();
-            let mut bent = SVector::zeros();
-            for (sum, &coefficient) in self.sums.iter().zip(function) {
-                plain += sum * coefficient;
+        let squared = T::one() / (length * length);
+        // Σ (σᵏ − τ²(σᵏ)̈)ᵀ Jᵀ r.
+        let mut sums = self.sums;
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum = jacobian * self.sums[k];
+            if k > 1 {
+                let bend = squared * T::from_f64((k * (k - 1)) as f64);
+                *sum -= lag * (jacobian * self.sums[k - 2]) * bend;
             }
-            for (sum, &coefficient) in self.sums.iter().zip(curvature) {
-                bent += sum * coefficient;
+        }
+        for (function, entry) in basis.iter().zip(gradient.iter_mut().skip(self.span)) {
+            for (sum, &coefficient) in sums.iter().zip(function) {
+                *entry += sum * coefficient;
             }
-            *entry += jacobian * plain - lag * (jacobian * bent);
         }
     }
-}
-
-/// b̈_i of a span as polynomials in σ, by time.
-pub(crate) fn second_derivatives<T: Ordered>(
-    basis: &SpanBasis<T>,
-    length: T,
-) -> [[T; ORDER - 2]; ORDER] {
-    let squared = T::one() / (length * length);
-    basis.map(|function| {
-        core::array::from_fn(|k| {
-            function[k + 2] * squared * T::from_f64(((k + 1) * (k + 2)) as f64)
-        })
-    })
 }
 
 /// Root of a sum of squares over `count` samples.

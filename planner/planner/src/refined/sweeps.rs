@@ -36,7 +36,7 @@ where
     T: Ordered,
 {
     let bounds = Bounds::new(problem.robot, refinement.limits.as_ref());
-    let coarse = Problem { window: problem.window.thinned(), ..*problem };
+    let coarse = Problem { window: problem.window.coarse(), ..*problem };
     let mut run = Run {
         bounds: &bounds,
         count,
@@ -47,7 +47,6 @@ where
         linear_rmse: None,
     };
     run.linear(workspace)?;
-    advance(count, workspace);
     run.approach(workspace)?;
     let (found, converged) = run.finish(problem, workspace)?;
     if let Some(breach) = bounds.first_breach(&found.peaks) {
@@ -92,16 +91,41 @@ where
     C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
 {
-    /// The step to the fit of a linear robot.
+    /// The fit of a linear robot, from a curve that stays where it begins: only the desired motion is
+    /// sampled.
     fn linear<const POINTS: usize>(
         &self,
         workspace: &mut Workspace<T, NX, POINTS>,
     ) -> Result<(), Error> {
-        let mut gradient = [SVector::zeros(); POINTS];
-        let nodes = self.coarse.linear_sweep(&workspace.basis, &workspace.points);
-        let found = pass(self.coarse, nodes, self.bounds, workspace, &mut gradient)?;
-        workspace.gradient = gradient;
-        step(self.coarse, &self.coarse.window, &found, self.count, workspace).map(|_| ())
+        let Workspace { basis, points, steps, normal, .. } = workspace;
+        let (problem, free) = (self.coarse, normal.free());
+        let length = problem.window.span_length();
+        let resting = points[0];
+        let zero = SVector::zeros();
+        let mut right = [zero; POINTS];
+        let mut moments = Moments::new(0);
+        for (index, (span, sigma)) in (0..problem.window.count).zip(problem.window.places()) {
+            let time = problem.window.time(index);
+            let [shape, ..] = problem.shape(time, &[zero; 3]);
+            let error = problem.robot.output(&resting, &shape) - problem.motion.position(time);
+            if !is_finite(&error) {
+                return Err(self.bounds.explain(problem, time, &shape));
+            }
+            if span != moments.span {
+                moments.flush(basis.span(moments.span), &problem.linear, length, &mut right);
+                moments = Moments::new(span);
+            }
+            moments.add(sigma, &-problem.unwanted(time, &error));
+        }
+        moments.flush(basis.span(moments.span), &problem.linear, length, &mut right);
+        for (step, point) in steps.iter_mut().zip(points.iter()) {
+            *step = point - resting;
+        }
+        normal.solve(self.count, steps, &mut right);
+        for index in free {
+            points[index] = resting + right[index];
+        }
+        Ok(())
     }
 
     /// One sweep of Γ and the step it asks for; the largest of that step's effect and the end errors.
@@ -123,7 +147,7 @@ where
         Ok((found, error))
     }
 
-    /// Sweeps of the thinned samples until the next is expected to find nothing to correct.
+    /// Sweeps of the coarse samples until the next is expected to find nothing to correct.
     fn approach<const POINTS: usize>(
         &mut self,
         workspace: &mut Workspace<T, NX, POINTS>,
@@ -186,11 +210,10 @@ where
         end_velocity: zero,
         peaks: Peaks::new(),
     };
-    let mut last = None;
     for node in nodes {
         let error = problem.output_error(&node);
         if !is_finite(&error) {
-            return Err(bounds.explain(problem, &node.sample));
+            return Err(bounds.explain(problem, node.sample.time, &node.sample.shape));
         }
         if node.sample.span != moments.span {
             moments.flush(basis.span(moments.span), &problem.linear, length, gradient);
@@ -210,15 +233,14 @@ where
             &node.sample.shape,
             &node.sample.position(&node.position),
         );
-        last = Some((node, error));
+        if node.sample.index + 1 == problem.window.count {
+            let curve = SpanCurve::new(basis, points, node.sample.span, length);
+            found.end = error;
+            found.end_velocity = problem.output_velocity_error(&node, &curve);
+        }
     }
     moments.flush(basis.span(moments.span), &problem.linear, length, gradient);
     found.largest = found.largest.sqrt();
-    if let Some((node, error)) = last {
-        let curve = SpanCurve::new(basis, points, node.sample.span, length);
-        found.end = error;
-        found.end_velocity = problem.output_velocity_error(&node, &curve);
-    }
     if !found.squares.is_finite() || !is_finite(&found.end_velocity) {
         let time = problem.window.end().to_f64();
         return Err(Error::NonFinite { quantity: "squared error of the plan", time });
@@ -258,8 +280,7 @@ where
     for entry in &mut right {
         *entry = -*entry;
     }
-    normal.shift_given(count, steps, &mut right);
-    normal.solve(&mut right);
+    normal.solve(count, steps, &mut right);
     let free = normal.free();
     steps[free.clone()].copy_from_slice(&right[free.clone()]);
     let mut reduction = T::zero();

@@ -9,18 +9,19 @@ use shapebot_dynamics::Ordered;
 /// Fewest samples of a refined plan: two for each of four spans.
 pub const MIN_REFINED_SAMPLES: usize = 9;
 
-/// Samples in a span of a thinned window.
-const SAMPLES_PER_SPAN: usize = 5;
-const LARGEST_STRIDE: usize = 4096;
+/// Sampling intervals in a span of a coarse window.
+pub(crate) const COARSE_INTERVALS: usize = 3;
 
-/// Equidistant samples of the window; those of the motion itself lie among them.
+/// Equidistant samples of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Window<T> {
-    /// The motion's own samples.
-    grid: Grid<T>,
     step: T,
-    /// Samples ahead of the motion.
-    before: usize,
+    /// Sampling intervals ahead of the motion; not whole in a coarse window.
+    before: T,
+    /// The motion's own samples, first and last: both at its ends exactly, but in a coarse window.
+    motion: (usize, usize),
+    /// Time of the motion's last sample.
+    closing: T,
     pub(crate) count: usize,
     pub(crate) spans: usize,
 }
@@ -43,7 +44,14 @@ impl<T: Ordered> Window<T> {
         let [before, after] =
             [whole(standing[0] / grid.step())?, whole(standing[1] / grid.step())?];
         let count = grid.count + before + after;
-        let mut window = Self { grid, step: grid.step(), before, count, spans: 4 };
+        let mut window = Self {
+            step: grid.step(),
+            before: T::from_f64(before as f64),
+            motion: (before, before + grid.count - 1),
+            closing: grid.time(grid.count - 1),
+            count,
+            spans: 4,
+        };
         check_duration(window.length())?;
         let most = points.saturating_sub(super::basis::DEGREE).min((count - 1) / 2);
         if most < 4 {
@@ -72,19 +80,13 @@ impl<T: Ordered> Window<T> {
         Ok(window)
     }
 
-    /// The same window with as few of its samples as still resolve the spans.
-    pub(crate) fn thinned(&self) -> Self {
-        let intervals = [self.before, self.grid.count - 1, self.count - 1];
-        let most = ((self.count - 1) / (SAMPLES_PER_SPAN * self.spans)).max(1);
-        let divides = |stride: &usize| intervals.iter().all(|n| n.is_multiple_of(*stride));
-        let stride = (1..=most.min(LARGEST_STRIDE)).rev().find(divides).unwrap_or(1);
-        Self {
-            grid: self.grid.thinned(stride),
-            step: self.step * T::from_f64(stride as f64),
-            before: self.before / stride,
-            count: (self.count - 1) / stride + 1,
-            spans: self.spans,
-        }
+    /// The same window with as few samples as still resolve the spans, the same number in each of
+    /// them. Apart from the ends they are not among this window's samples.
+    pub(crate) fn coarse(&self) -> Self {
+        let count = COARSE_INTERVALS * self.spans + 1;
+        let step = self.length() / T::from_f64((count - 1) as f64);
+        let before = self.before * self.step / step;
+        Self { step, before, motion: (0, count - 1), closing: self.end(), count, ..*self }
     }
 
     /// Number of sampling intervals.
@@ -103,7 +105,7 @@ impl<T: Ordered> Window<T> {
 
     /// Seconds before the motion at which the window opens, not positive.
     pub(crate) fn start(&self) -> T {
-        -(self.step * T::from_f64(self.before as f64))
+        -(self.step * self.before)
     }
 
     pub(crate) fn end(&self) -> T {
@@ -112,20 +114,20 @@ impl<T: Ordered> Window<T> {
 
     /// Time of a sample since the motion's start; the motion's last sample is at its duration exactly.
     pub(crate) fn time(&self, index: usize) -> T {
-        if index + 1 == self.before + self.grid.count {
-            self.grid.time(self.grid.count - 1)
+        if index == self.motion.1 {
+            self.closing
         } else {
-            self.step * T::from_f64(index as f64 - self.before as f64)
+            self.step * (T::from_f64(index as f64) - self.before)
         }
     }
 
     /// Whether a sample is one of the motion's.
     pub(crate) fn in_motion(&self, index: usize) -> bool {
-        (self.before..self.before + self.grid.count).contains(&index)
+        (self.motion.0..=self.motion.1).contains(&index)
     }
 
     pub(crate) fn motion_samples(&self) -> usize {
-        self.grid.count
+        self.motion.1 - self.motion.0 + 1
     }
 
     /// Length of a span, seconds.
