@@ -3,11 +3,12 @@
 use super::banded::{Banded, Block, Diagonal};
 use super::basis::{Basis, DEGREE, ORDER, SpanBasis};
 use super::problem::Linearised;
-use super::window::{COARSE_INTERVALS, Window};
+use super::spans::{INTERVALS, sigmas};
+use super::window::Window;
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::Ordered;
 
-/// The normal equations of the coarse window, factored.
+/// The normal equations over the samples of the early sweeps, factored.
 #[derive(Clone, Debug)]
 pub(crate) enum Normal<T: Ordered, const NX: usize, const POINTS: usize> {
     /// The axes do not touch each other.
@@ -96,8 +97,8 @@ impl<T: Ordered, const NX: usize, const POINTS: usize> Normal<T, NX, POINTS> {
 /// One number, or matrix, for every pair of eight.
 type Square<B> = [[B; ORDER]; ORDER];
 
-/// Adds the samples of all spans to the normal equations. They lie alike in all spans, the first and
-/// last of a span count one half; so do those of the window, which no free control point moves.
+/// Adds the samples of all spans to the normal equations: they lie alike in all spans, and mirrored. Those
+/// at the window's ends, which no free control point moves, count one half like any end of a span.
 fn assemble<T: Ordered, B: Block<T, NX>, const NX: usize, const POINTS: usize>(
     basis: &Basis<T>,
     window: &Window<T>,
@@ -105,7 +106,7 @@ fn assemble<T: Ordered, B: Block<T, NX>, const NX: usize, const POINTS: usize>(
     normal: &mut Banded<B, POINTS>,
 ) {
     normal.clear(window.spans + DEGREE);
-    let powers = products(&power_sums(), window.span_length(), linear);
+    let powers = products(&node_powers(), window.span_length(), linear);
     let mut blocks = [[B::zero(); ORDER]; ORDER];
     for span in 0..window.spans.div_ceil(2) {
         // From here to the middle all spans are alike.
@@ -159,14 +160,15 @@ fn add_powers<T: Ordered>(sums: &mut Powers<T>, sigma: T) {
     }
 }
 
-/// Those of the coarse window.
-fn power_sums<T: Ordered>() -> Powers<T> {
+/// The same over a span of the early sweeps, its samples weighted so that they sum up to one.
+fn node_powers<T: Ordered>() -> Powers<T> {
+    // One half at both ends of the span.
     let mut sums = [T::from_f64(0.5); 2 * ORDER - 1];
     sums[0] = T::one();
-    for sample in 1..COARSE_INTERVALS {
-        add_powers(&mut sums, T::from_f64(sample as f64 / COARSE_INTERVALS as f64));
+    for sigma in sigmas().into_iter().skip(1) {
+        add_powers(&mut sums, sigma);
     }
-    sums
+    sums.map(|sum| sum / T::from_f64(INTERVALS as f64))
 }
 
 /// [`assemble`] for the curve itself and samples that lie in the spans as they do.

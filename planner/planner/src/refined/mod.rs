@@ -15,6 +15,7 @@ mod problem;
 mod sampled;
 mod shares;
 mod solve;
+mod spans;
 mod sweeps;
 mod task;
 mod window;

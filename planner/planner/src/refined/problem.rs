@@ -7,7 +7,7 @@ use super::workspace::SpanCurve;
 use crate::Error;
 use crate::constraint::ShapeConstraint;
 use crate::integrate::{Accelerated, DoubleIntegral, Integrated};
-use crate::linear_algebra::{inverse, norm, solve};
+use crate::linear_algebra::{inverse, is_finite, norm, solve};
 use crate::motion::{DesiredMotion, SmoothStep, Transfer};
 use crate::reference::OutputMap;
 use nalgebra::{SMatrix, SVector};
@@ -38,7 +38,7 @@ impl<T: Ordered, const NX: usize> Linearised<T, NX> {
         let through_shape = robot.output_jacobian_shape(&SVector::zeros(), &origin) * gain;
         let singular = Error::Singular { matrix: "output Jacobian" };
         let output = position - solve(map.jacobian, through_shape).ok_or(singular)?;
-        if !crate::linear_algebra::is_finite(&output) {
+        if !is_finite(&output) {
             return Err(Error::NonFiniteMatrix { matrix: "time constant of the response" });
         }
         Ok(Self { position, output, jacobian: map.jacobian })
@@ -91,7 +91,6 @@ pub(crate) struct Problem<'p, R: ?Sized, M: ?Sized, C, T: Ordered, const NX: usi
 /// One sample of a sweep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node<T: Ordered, const NX: usize, const NS: usize> {
-    pub(crate) index: usize,
     pub(crate) span: usize,
     pub(crate) sigma: T,
     pub(crate) time: T,
@@ -111,6 +110,11 @@ impl<T: Ordered, const NX: usize, const NS: usize> Accelerated<T> for Node<T, NX
 }
 
 impl<T: Ordered, const NX: usize, const NS: usize> Node<T, NX, NS> {
+    /// Γ − (u − τ²ü).
+    pub(crate) fn defect(&self) -> &SVector<T, NX> {
+        &self.defect
+    }
+
     /// q_x.
     pub(crate) fn position(&self, defect: &SVector<T, NX>) -> SVector<T, NX> {
         self.model + defect
@@ -139,15 +143,18 @@ where
     }
 
     #[inline(always)]
-    fn node(&self, index: usize, place: (usize, T), curve: &SpanCurve<T, NX>) -> Node<T, NX, NS> {
-        let (span, sigma) = place;
-        let time = self.window.time(index);
+    pub(crate) fn node(
+        &self,
+        time: T,
+        (span, sigma): (usize, T),
+        curve: &SpanCurve<T, NX>,
+    ) -> Node<T, NX, NS> {
         let u = curve.acceleration(sigma);
         let [shape, shape_velocity, shape_acceleration] = self.shape(time, &u);
         let defect = self.robot.gamma(&shape, &shape_velocity, &shape_acceleration) - u[0]
             + self.linear.position * u[2];
         let model = curve.flat(sigma) - self.linear.position * u[0];
-        Node { index, span, sigma, time, shape, model, defect }
+        Node { span, sigma, time, shape, model, defect }
     }
 
     /// Samples, to be asked for in order.
@@ -166,7 +173,7 @@ where
                 current = place.0;
                 curve = SpanCurve::new(basis, points, current, length);
             }
-            self.node(index, place, &curve)
+            self.node(self.window.time(index), place, &curve)
         }
     }
 
@@ -178,12 +185,17 @@ where
     ) -> impl ExactSizeIterator<Item = Swept<T, NX, NS>> + 's {
         let length = self.window.span_length();
         let curve = SpanCurve::new(basis, points, 0, length);
-        let [u, ..] = curve.acceleration(T::zero());
-        let velocity = self.start.velocity - self.model_velocity(T::zero(), &curve);
-        let model = curve.flat(T::zero()) - self.linear.position * u;
-        let position = self.start.position - model;
+        let (velocity, position) = self.begin(&curve);
         let source = self.nodes(basis, points);
         DoubleIntegral::new(self.window.count, self.window.step(), velocity, position, source)
+    }
+
+    /// What the start state has beyond z − τ²u: velocity and position, on the curve's first span.
+    pub(crate) fn begin(&self, curve: &SpanCurve<T, NX>) -> (SVector<T, NX>, SVector<T, NX>) {
+        let [u, ..] = curve.acceleration(T::zero());
+        let model = curve.flat(T::zero()) - self.linear.position * u;
+        let velocity = self.start.velocity - self.model_velocity(T::zero(), curve);
+        (velocity, self.start.position - model)
     }
 
     /// ż − τ²u̇.
@@ -192,10 +204,13 @@ where
         curve.flat_rate(sigma, self.window.span_length()) - self.linear.position * rate
     }
 
-    /// h(q_x, q_s) − x^d at a sample.
-    pub(crate) fn output_error(&self, node: &Swept<T, NX, NS>) -> SVector<T, NX> {
-        let position = node.sample.position(&node.position);
-        self.robot.output(&position, &node.sample.shape) - self.motion.position(node.sample.time)
+    /// h(q_x, q_s) − x^d at a sample, where the defect has led to `defect`.
+    pub(crate) fn output_error(
+        &self,
+        node: &Node<T, NX, NS>,
+        defect: &SVector<T, NX>,
+    ) -> SVector<T, NX> {
+        self.robot.output(&node.position(defect), &node.shape) - self.motion.position(node.time)
     }
 
     /// The part of that error which is not asked for.
@@ -206,18 +221,24 @@ where
         }
     }
 
-    /// The same for the output's velocity at the window's end.
-    pub(crate) fn output_velocity_error(
+    /// Errors of the output and its velocity at the window's end: position and velocity are what the
+    /// defect has led to.
+    pub(crate) fn finish(
         &self,
-        node: &Swept<T, NX, NS>,
         curve: &SpanCurve<T, NX>,
-    ) -> SVector<T, NX> {
-        let position = node.sample.position(&node.position);
-        let velocity = self.model_velocity(node.sample.sigma, curve) + node.velocity;
-        let [_, rate, _] = self.shape(node.sample.time, &curve.acceleration(node.sample.sigma));
-        let by_shape = self.robot.output_jacobian_shape(&position, &node.sample.shape);
-        self.linear.jacobian * velocity + by_shape * rate
-            - self.motion.derivatives(node.sample.time)[1]
+        position: &SVector<T, NX>,
+        velocity: &SVector<T, NX>,
+        sums: &mut Sums<T, NX>,
+    ) {
+        let (time, end) = (self.window.end(), T::one());
+        let u = curve.acceleration(end);
+        let [shape, rate, _] = self.shape(time, &u);
+        let position = curve.flat(end) - self.linear.position * u[0] + position;
+        let velocity = self.model_velocity(end, curve) + velocity;
+        let by_shape = self.robot.output_jacobian_shape(&position, &shape);
+        let [desired, desired_velocity, ..] = self.motion.derivatives(time);
+        sums.end = self.robot.output(&position, &shape) - desired;
+        sums.end_velocity = self.linear.jacobian * velocity + by_shape * rate - desired_velocity;
     }
 
     /// Steps of the first control points from the end that cancel the end errors, last point first.
@@ -231,6 +252,33 @@ where
         let zero = SVector::zeros();
         let slope = inverse * velocity_error * self.window.span_length();
         Some(basis.end_points(&[-(inverse * error), slope, zero, zero, zero]))
+    }
+}
+
+/// What every sweep finds: the sum of squared errors, and the errors at the end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sums<T: Ordered, const NX: usize> {
+    pub(crate) squares: T,
+    pub(crate) end: SVector<T, NX>,
+    pub(crate) end_velocity: SVector<T, NX>,
+}
+
+impl<T: Ordered, const NX: usize> Sums<T, NX> {
+    pub(crate) fn new() -> Self {
+        let zero = SVector::zeros();
+        Self { squares: T::zero(), end: zero, end_velocity: zero }
+    }
+
+    /// These, if they are numbers.
+    pub(crate) fn check<R: ?Sized, M: ?Sized, C, const NS: usize>(
+        self,
+        problem: &Problem<'_, R, M, C, T, NX, NS>,
+    ) -> Result<Self, Error> {
+        if self.squares.is_finite() && is_finite(&self.end) && is_finite(&self.end_velocity) {
+            return Ok(self);
+        }
+        let time = problem.window.end().to_f64();
+        Err(Error::NonFinite { quantity: "squared error of the plan", time })
     }
 }
 

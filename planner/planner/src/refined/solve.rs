@@ -250,7 +250,7 @@ where
     let count = window.spans + super::basis::DEGREE;
     workspace
         .normal
-        .prepare(&workspace.basis, &window.coarse(), &linear, (ends.given, count - REST))
+        .prepare(&workspace.basis, &window, &linear, (ends.given, count - REST))
         .ok_or(Error::Singular { matrix: "fit of the spline" })?;
     let report = sweeps(&problem, refinement, count, workspace)?;
     Ok(Fitted { map, problem, report })

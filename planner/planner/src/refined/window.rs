@@ -9,17 +9,14 @@ use shapebot_dynamics::Ordered;
 /// Fewest samples of a refined plan: two for each of four spans.
 pub const MIN_REFINED_SAMPLES: usize = 9;
 
-/// Sampling intervals in a span of a coarse window.
-pub(crate) const COARSE_INTERVALS: usize = 3;
-
 /// Equidistant samples of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Window<T> {
     step: T,
-    /// Sampling intervals ahead of the motion; not whole in a coarse window.
-    before: T,
-    /// The motion's own samples, first and last: both at its ends exactly, but in a coarse window.
-    motion: (usize, usize),
+    /// Samples ahead of the motion.
+    before: usize,
+    /// Samples of the motion itself.
+    motion: usize,
     /// Time of the motion's last sample.
     closing: T,
     pub(crate) count: usize,
@@ -46,8 +43,8 @@ impl<T: Ordered> Window<T> {
         let count = grid.count + before + after;
         let mut window = Self {
             step: grid.step(),
-            before: T::from_f64(before as f64),
-            motion: (before, before + grid.count - 1),
+            before,
+            motion: grid.count,
             closing: grid.time(grid.count - 1),
             count,
             spans: 4,
@@ -80,20 +77,6 @@ impl<T: Ordered> Window<T> {
         Ok(window)
     }
 
-    /// The same window with as few samples as still resolve the spans, the same number in each of
-    /// them. Apart from the ends they are not among this window's samples.
-    pub(crate) fn coarse(&self) -> Self {
-        let count = COARSE_INTERVALS * self.spans + 1;
-        let step = self.length() / T::from_f64((count - 1) as f64);
-        let before = self.before * self.step / step;
-        Self { step, before, motion: (0, count - 1), closing: self.end(), count, ..*self }
-    }
-
-    /// Number of sampling intervals.
-    pub(crate) fn intervals(&self) -> T {
-        T::from_f64((self.count - 1) as f64)
-    }
-
     /// Seconds.
     pub(crate) fn length(&self) -> T {
         self.step * T::from_f64((self.count - 1) as f64)
@@ -105,7 +88,7 @@ impl<T: Ordered> Window<T> {
 
     /// Seconds before the motion at which the window opens, not positive.
     pub(crate) fn start(&self) -> T {
-        -(self.step * self.before)
+        -(self.step * T::from_f64(self.before as f64))
     }
 
     pub(crate) fn end(&self) -> T {
@@ -114,25 +97,30 @@ impl<T: Ordered> Window<T> {
 
     /// Time of a sample since the motion's start; the motion's last sample is at its duration exactly.
     pub(crate) fn time(&self, index: usize) -> T {
-        if index == self.motion.1 {
+        if index + 1 == self.before + self.motion {
             self.closing
         } else {
-            self.step * (T::from_f64(index as f64) - self.before)
+            self.step * T::from_f64(index as f64 - self.before as f64)
         }
     }
 
     /// Whether a sample is one of the motion's.
     pub(crate) fn in_motion(&self, index: usize) -> bool {
-        (self.motion.0..=self.motion.1).contains(&index)
+        (self.before..self.before + self.motion).contains(&index)
     }
 
     pub(crate) fn motion_samples(&self) -> usize {
-        self.motion.1 - self.motion.0 + 1
+        self.motion
     }
 
     /// Length of a span, seconds.
     pub(crate) fn span_length(&self) -> T {
         self.length() / T::from_f64(self.spans as f64)
+    }
+
+    /// Time at a fraction of a span.
+    pub(crate) fn time_in(&self, span: usize, sigma: T) -> T {
+        self.start() + (T::from_f64(span as f64) + sigma) * self.span_length()
     }
 
     /// Span of each sample, and the fraction of it that has passed: counted in whole numbers.
