@@ -155,7 +155,12 @@ impl<T: Ordered, const NX: usize> DesiredMotion<T, NX> for Transfer<T, NX> {
             (&self.halves[1], T::one() - tau)
         };
         let near = if near < T::zero() { T::zero() } else { near };
-        half.iter().rev().fold(SVector::zeros(), |sum, coefficient| sum * near + coefficient)
+        // Even and odd powers apart: neither chain waits for the other.
+        let (square, zero) = (near * near, SVector::zeros());
+        let (even, odd) = half.chunks_exact(2).rev().fold((zero, zero), |(even, odd), pair| {
+            (even * square + pair[0], odd * square + pair[1])
+        });
+        even + odd * near
     }
 }
 

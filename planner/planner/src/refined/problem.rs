@@ -6,7 +6,7 @@ use super::window::Window;
 use super::workspace::SpanCurve;
 use crate::Error;
 use crate::constraint::ShapeConstraint;
-use crate::integrate::{Accelerated, DoubleIntegral, Integrated};
+use crate::integrate::{Accelerated, DoubleIntegral};
 use crate::linear_algebra::{inverse, is_finite, norm, solve};
 use crate::motion::{DesiredMotion, SmoothStep, Transfer};
 use crate::reference::OutputMap;
@@ -121,9 +121,6 @@ impl<T: Ordered, const NX: usize, const NS: usize> Node<T, NX, NS> {
     }
 }
 
-pub(crate) type Swept<T, const NX: usize, const NS: usize> =
-    Integrated<Node<T, NX, NS>, SVector<T, NX>>;
-
 impl<R, M, C, T, const NX: usize, const NS: usize> Problem<'_, R, M, C, T, NX, NS>
 where
     T: Ordered,
@@ -182,7 +179,7 @@ where
         &'s self,
         basis: &'s Basis<T>,
         points: &'s [SVector<T, NX>],
-    ) -> impl ExactSizeIterator<Item = Swept<T, NX, NS>> + 's {
+    ) -> DoubleIntegral<T, Node<T, NX, NS>, impl FnMut(usize) -> Node<T, NX, NS> + 's> {
         let length = self.window.span_length();
         let curve = SpanCurve::new(basis, points, 0, length);
         let (velocity, position) = self.begin(&curve);

@@ -162,9 +162,9 @@ where
     let mut moments = Moments::new(0);
     let (sums, zero) = (Sums::new(), T::zero());
     let mut found = Found { sums, motion_squares: zero, largest: zero, peaks: Peaks::new() };
-    for (index, swept) in problem.sweep(basis, points).enumerate() {
-        let node = &swept.sample;
-        let error = problem.output_error(node, &swept.position);
+    let (mut swept, mut index) = (problem.sweep(basis, points), 0);
+    while let Some((node, velocity, position)) = swept.next_node() {
+        let error = problem.output_error(node, position);
         if !is_finite(&error) {
             return Err(bounds.explain(problem, node.time, &node.shape));
         }
@@ -181,11 +181,12 @@ where
         if square > found.largest {
             found.largest = square;
         }
-        found.peaks.add(node.time, &node.shape, &node.position(&swept.position));
+        found.peaks.add(node.time, &node.shape, &node.position(position));
         if index == last {
             let curve = SpanCurve::new(basis, points, node.span, length);
-            problem.finish(&curve, &swept.position, &swept.velocity, &mut found.sums);
+            problem.finish(&curve, position, velocity, &mut found.sums);
         }
+        index += 1;
     }
     moments.flush(basis.span(moments.span), &problem.linear, length, gradient);
     found.largest = found.largest.sqrt();
