@@ -90,6 +90,19 @@ fn powers<T: Ordered, const NX: usize>(
     points
 }
 
+/// Value of a polynomial: even and odd powers apart, so that neither chain waits for the other.
+#[inline]
+fn value<T: Ordered, const NX: usize>(
+    coefficients: &[SVector<T, NX>; DEGREE + 1],
+    x: T,
+) -> SVector<T, NX> {
+    let (square, zero) = (x * x, SVector::zeros());
+    let pairs = coefficients.chunks_exact(2).rev();
+    let (even, odd) = pairs
+        .fold((zero, zero), |(even, odd), pair| (even * square + pair[0], odd * square + pair[1]));
+    even + odd * x
+}
+
 /// Value and four derivatives of a polynomial.
 fn evaluate<T: Ordered, const NX: usize>(
     coefficients: &[SVector<T, NX>; DEGREE + 1],
@@ -103,6 +116,7 @@ fn evaluate<T: Ordered, const NX: usize>(
         }
         taylor[0] = taylor[0] * x + coefficient;
     }
+    taylor[0] = value(coefficients, x);
     for (derivative, factorial) in taylor.iter_mut().zip([1.0, 1.0, 2.0, 6.0, 24.0]) {
         *derivative *= T::from_f64(factorial);
     }
@@ -155,12 +169,7 @@ impl<T: Ordered, const NX: usize> DesiredMotion<T, NX> for Transfer<T, NX> {
             (&self.halves[1], T::one() - tau)
         };
         let near = if near < T::zero() { T::zero() } else { near };
-        // Even and odd powers apart: neither chain waits for the other.
-        let (square, zero) = (near * near, SVector::zeros());
-        let (even, odd) = half.chunks_exact(2).rev().fold((zero, zero), |(even, odd), pair| {
-            (even * square + pair[0], odd * square + pair[1])
-        });
-        even + odd * near
+        value(half, near)
     }
 }
 
