@@ -13,6 +13,7 @@ mod limits;
 mod plan;
 mod problem;
 mod sampled;
+mod secant;
 mod shares;
 mod solve;
 mod spans;

@@ -3,6 +3,7 @@
 use super::limits::{Bounds, Peaks};
 use super::plan::RefinedReport;
 use super::problem::{Moments, Problem, Sums, larger, root_mean};
+use super::secant::Secant;
 use super::spans::INTERVALS;
 use super::task::Refinement;
 use super::workspace::{SpanCurve, Workspace};
@@ -109,11 +110,12 @@ where
         workspace: &mut Workspace<T, NX, POINTS>,
     ) -> Result<(), Error> {
         let spans = self.problem.window.spans;
-        let mut previous: Option<T> = None;
+        let (mut previous, mut secant) = (None::<T>, Secant::new());
         while self.sweeps + 1 < self.refinement.max_sweeps {
             let sums = self.problem.sweep_spans(self.bounds, workspace)?;
             let rmse = root_mean(sums.squares, spans);
             let error = self.step(&sums, (INTERVALS * spans + 1, spans), rmse, workspace)?;
+            secant.correct(self.count, &mut workspace.steps);
             advance(self.count, workspace);
             // A step leaves of an error what the step before has left of its own.
             let left = previous.map(|previous| error * (error / previous));
@@ -130,6 +132,7 @@ where
         &mut self,
         workspace: &mut Workspace<T, NX, POINTS>,
     ) -> Result<(Found<T, NX, NS>, bool), Error> {
+        let mut secant = Secant::new();
         loop {
             let found = pass(self.problem, self.bounds, workspace)?;
             let samples = self.problem.window.count;
@@ -139,6 +142,7 @@ where
             if converged || self.sweeps >= self.refinement.max_sweeps {
                 return Ok((found, converged));
             }
+            secant.correct(self.count, &mut workspace.steps);
             advance(self.count, workspace);
         }
     }
