@@ -97,9 +97,11 @@ fn value<T: Ordered, const NX: usize>(
     x: T,
 ) -> SVector<T, NX> {
     let (square, zero) = (x * x, SVector::zeros());
-    let pairs = coefficients.chunks_exact(2).rev();
-    let (even, odd) = pairs
-        .fold((zero, zero), |(even, odd), pair| (even * square + pair[0], odd * square + pair[1]));
+    let (mut even, mut odd) = (zero, zero);
+    for k in (0..DEGREE.div_ceil(2)).rev() {
+        even = even * square + coefficients[2 * k];
+        odd = odd * square + coefficients[2 * k + 1];
+    }
     even + odd * x
 }
 
