@@ -116,7 +116,7 @@ fn plan(row: &Row) -> Outcome<Option<Plans>> {
     let gain = robot.plan(&task)?;
     task.method = Method::Refined;
     let refined = robot.plan(&task)?;
-    task.standing = [STANDING; 2];
+    task.standing.value = [STANDING; 2];
     let standing = robot.plan(&task)?;
     Ok(Some(Plans { gain, refined, standing }))
 }
@@ -176,7 +176,7 @@ fn cells(row: &Row, plans: Option<&Plans>) -> Vec<String> {
         of(&|plans| number::metres(plans.gain.output_rmse)),
         of(&|plans| number::duration(plans.refined.elapsed)),
         of(&|plans| number::metres(plans.refined.output_rmse)),
-        of(&|plans| plans.refined.floor.map_or_else(none, |floor| format!("{floor:.5}"))),
+        of(&|plans| plans.refined.floor.map_or_else(|_| none(), |floor| format!("{floor:.5}"))),
         of(&|plans| number::duration(plans.standing.elapsed)),
         of(&|plans| number::metres(plans.standing.output_rmse)),
         format!("{:.3} s", row.paper.0),
