@@ -26,13 +26,13 @@ impl Dimension {
             Self::Length => "m",
             Self::Angle => "rad",
             Self::Force => "N",
-            Self::Torque => "N m",
+            Self::Torque => "N*m",
         }
     }
 }
 
 /// Unit, what it measures, and how much of the base unit it is.
-const UNITS: [(&str, Dimension, f64); 10] = [
+const UNITS: [(&str, Dimension, f64); 11] = [
     ("s", Dimension::Time, 1.0),
     ("ms", Dimension::Time, 1e-3),
     ("min", Dimension::Time, 60.0),
@@ -43,6 +43,7 @@ const UNITS: [(&str, Dimension, f64); 10] = [
     ("deg", Dimension::Angle, PI / 180.0),
     ("N", Dimension::Force, 1.0),
     ("N m", Dimension::Torque, 1.0),
+    ("N*m", Dimension::Torque, 1.0),
 ];
 
 /// One or several numbers of one unit, in the SI unit of what they measure.
@@ -96,6 +97,7 @@ mod tests {
         assert_eq!(read("180deg").unwrap().0[0], std::f64::consts::PI);
         assert_eq!(read("1e3 ms"), Ok((vec![1.0], Dimension::Time)));
         assert_eq!(read("20 N m"), Ok((vec![20.0], Dimension::Torque)));
+        assert_eq!(read("20 N*m"), read("20 N m"));
         assert_eq!(read("-1, 20N"), Ok((vec![-1.0, 20.0], Dimension::Force)));
         for wrong in [
             "5", "5 N N m", "5 k m", "5 ft", "m", "", "1,,2 m", "nan s", "inf m", "1e999 s",

@@ -5,7 +5,7 @@ use crate::failure::Outcome;
 use crate::output::{self, Align, Columns, number};
 use crate::planning::PlannedMotion;
 use crate::plot;
-use crate::robot::bundled;
+use crate::robot::{bundled, identity};
 use indicatif::{ProgressBar, ProgressStyle};
 use shapebot_tasks::Method;
 use std::io::Write;
@@ -112,12 +112,13 @@ fn plan(row: &Row) -> Outcome<Option<Plans>> {
     }
     let (robot, mut task) = task(row.task)?;
     let robot = robot.dynamics(&[])?;
+    let id = identity(robot.description(), &[]);
     task.method = Method::Gain;
-    let gain = robot.plan(&task)?;
+    let gain = robot.plan(&task, &id)?;
     task.method = Method::Refined;
-    let refined = robot.plan(&task)?;
+    let refined = robot.plan(&task, &id)?;
     task.standing.value = [STANDING; 2];
-    let standing = robot.plan(&task)?;
+    let standing = robot.plan(&task, &id)?;
     Ok(Some(Plans { gain, refined, standing }))
 }
 

@@ -20,6 +20,7 @@ use phase::{Planned, Request, plan_phase};
 use refusal::{Unplanned, failure};
 use shapebot_dynamics::{Robot, ShapeAccelerated};
 use shapebot_planner::motion::Stretched;
+use shapebot_planner::value::RobotId;
 use shapebot_planner::{Start, TwoPhases, actuator_force, generalised_force};
 use shapebot_tasks::{MOST_SAMPLES, Method, Motion, Objective, Said, Shares, Task};
 
@@ -33,22 +34,24 @@ type Samples<const NX: usize, const NS: usize> = Vec<shapebot_planner::Row<f64, 
 type Forces<'f, const N: usize, const NX: usize, const NS: usize> =
     dyn Fn(&shapebot_planner::Row<f64, NX, NS>) -> [SVector<f64, N>; 2] + 'f;
 
-/// Plans a task with a robot.
+/// Plans a task with a robot; `id` is what the plan's files say about it.
 pub(crate) fn plan<R, const N: usize, const NX: usize, const NS: usize>(
     robot: &R,
     task: &Task,
+    id: &RobotId<'_>,
 ) -> Outcome<PlannedMotion>
 where
     R: Robot<f64, N, NX, NS>,
 {
     let forces = |row: &_| [actuator_force(robot, row), generalised_force(robot, row)];
-    plan_shaped::<N, NX, NS>(robot, &forces, task)
+    plan_shaped::<N, NX, NS>(robot, &forces, task, id)
 }
 
 fn plan_shaped<const N: usize, const NX: usize, const NS: usize>(
     robot: &Shaped<'_, NX, NS>,
     forces: &Forces<'_, N, NX, NS>,
     task: &Task,
+    id: &RobotId<'_>,
 ) -> Outcome<PlannedMotion> {
     check(task)?;
     let description = robot.shape_description();
@@ -75,7 +78,7 @@ fn plan_shaped<const N: usize, const NX: usize, const NS: usize>(
         })?,
     };
     let planned = Joined::of(planned);
-    let files = files::files(description, &planned.samples, &|row| forces(row)[1])?;
+    let files = files::files(description, id, &planned.samples, &|row| forces(row)[1])?;
     Ok(planned.motion(robot, task, files))
 }
 
@@ -182,3 +185,6 @@ fn end_of<const NX: usize, const NS: usize>(phase: &Planned<NX, NS>) -> Option<S
         shape_acceleration: Some(last.plan.shape_acceleration),
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -98,6 +98,9 @@ pub(super) fn failure(error: Error) -> Failure {
                 None => format!("{range}: no longer duration was found that would do"),
             })
         }
+        Error::NonFinite { .. } => Failure::refused(format!(
+            "{error}: the motion asks for more than the robot can do, give it more time"
+        )),
         _ => Failure::refused(error),
     }
 }

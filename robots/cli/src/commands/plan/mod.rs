@@ -7,6 +7,7 @@ use crate::failure::Outcome;
 use crate::output::{self, number};
 use crate::planning::{Detail, Phase, PlannedMotion};
 use crate::plot;
+use crate::robot::identity;
 use request::Request;
 use shapebot_dynamics::Coordinate;
 use shapebot_tasks::{Method, Motion, Task};
@@ -17,7 +18,7 @@ pub(crate) use request::task;
 
 pub(crate) fn run(args: &PlanArgs) -> Outcome {
     let Request { name, robot, task } = request::request(args)?;
-    let motion = robot.plan(&task)?;
+    let motion = robot.plan(&task, &identity(robot.description(), &args.parameters.values))?;
     let mut stdout = anstream::stdout().lock();
     let title = task.title.clone();
     let title = title
