@@ -22,8 +22,7 @@ use std::time::{Duration, Instant};
 const POINTS: usize = 256;
 
 /// Why a refined plan has no floor.
-const NO_FLOOR: &str =
-    "none: it is known where the axes of the robot's response ẍ = u − τ²ü separate";
+const NO_FLOOR: &str = "not known: τ² of the response ẍ = u − τ²ü has no two real axes";
 
 type Motion<'m, const NX: usize> = dyn DesiredMotion<f64, NX> + 'm;
 
