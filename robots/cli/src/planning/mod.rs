@@ -67,7 +67,7 @@ fn plan_shaped<const N: usize, const NX: usize, const NS: usize>(
             let request = Request {
                 motion,
                 samples: task.samples.value,
-                shares: &task.shares.value,
+                shares: &task.shares,
                 standing: task.standing.value,
                 start: None,
                 survey: &survey,
@@ -162,7 +162,7 @@ impl<const NX: usize, const NS: usize> Phases<'_, NX, NS> {
             let request = Request {
                 motion,
                 samples: task.samples.value / 2 + 1,
-                shares: &self.shares[half].value,
+                shares: &self.shares[half],
                 standing: standing[half],
                 start: planned.last().and_then(end_of),
                 survey: self.survey,

@@ -15,7 +15,7 @@ use shapebot_planner::{
     Constrained, Objective, Plan, Refinement, Start, Weighting, Workspace, choose_shares,
     refine_surveyed,
 };
-use shapebot_tasks::{Method, Shares, Spare, Task};
+use shapebot_tasks::{Method, Said, Shares, Spare, Task};
 use std::time::{Duration, Instant};
 
 /// Control points of a refined plan: four per second for a minute, fewer per second beyond.
@@ -34,7 +34,7 @@ type Problem<'p, const NX: usize, const NS: usize> =
 pub(super) struct Request<'a, const NX: usize, const NS: usize> {
     pub(super) motion: &'a Motion<'a, NX>,
     pub(super) samples: usize,
-    pub(super) shares: &'a Shares,
+    pub(super) shares: &'a Said<Shares>,
     pub(super) standing: [f64; 2],
     /// Where the phase before ended.
     pub(super) start: Option<Start<f64, NX, NS>>,
@@ -75,7 +75,8 @@ pub(super) fn plan_phase<'a, const NX: usize, const NS: usize>(
         [] => None,
         sets => Some(Constrained::new(robot, sets)?),
     };
-    let shares = given_shares(request.shares, description)?;
+    let held: Vec<usize> = sets.iter().map(|motion| motion.set).collect();
+    let shares = given_shares(&request.shares.value, description, &held)?;
     let problem = shapebot_planner::Task::new(request.motion, request.samples)
         .objective(objective(task))
         .constraint(Held(constrained));
@@ -94,10 +95,10 @@ const fn objective(task: &Task) -> Objective {
 }
 
 /// Contributions, if the task or the robot's make gives them.
-fn given_shares(shares: &Shares, robot: &Description) -> Outcome<Option<Vec<f64>>> {
+fn given_shares(shares: &Shares, robot: &Description, held: &[usize]) -> Outcome<Option<Vec<f64>>> {
     match shares {
         Shares::Given(given) => contributions(given, robot).map(Some),
-        Shares::Default => Ok(default_contributions(robot.shape_sets)),
+        Shares::Default => Ok(default_contributions(robot.shape_sets, held)),
         Shares::Automatic(_) => Ok(None),
     }
 }
@@ -113,9 +114,9 @@ fn gain_plan<const NX: usize, const NS: usize>(
     shares: Option<Vec<f64>>,
     request: &Request<'_, NX, NS>,
 ) -> Result<Planned<NX, NS>, Unplanned> {
-    if matches!(request.shares, Shares::Automatic(_)) {
+    if matches!(request.shares.value, Shares::Automatic(_)) {
         let failure = Failure::usage("automatic shares are those of a refined plan");
-        return Err(failure.at(&task.shares.place).into());
+        return Err(failure.at(&request.shares.place).into());
     }
     let problem = problem.weighting(weighting(shares.as_deref()));
     let begin = Instant::now();
@@ -182,7 +183,7 @@ fn refined_plan<const NX: usize, const NS: usize>(
     };
     let mut workspace = Box::new(Workspace::<f64, NX, POINTS>::new());
     let begin = Instant::now();
-    let shares = match request.shares {
+    let shares = match &request.shares.value {
         Shares::Automatic(spare) => {
             let mut shares = vec![0.0; robot.shape_description().shape_sets.len()];
             let spare = match spare {

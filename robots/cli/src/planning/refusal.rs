@@ -43,7 +43,13 @@ impl Unplanned {
     pub(super) fn failure(self, task: &Task, shares: &str) -> Failure {
         match self {
             Self::Planner(error) => {
-                let place = place(&error, task, shares);
+                // What was not said follows from the rest.
+                let constraint = task.constraints.first().map_or("", |c| &c.set.place);
+                let places = [constraint, task.motion.place.as_str()];
+                let place = place(&error, task, shares).map(|place| {
+                    let said = std::iter::once(place).chain(places);
+                    said.into_iter().find(|place| !place.is_empty()).unwrap_or_default()
+                });
                 failure(error).at(place.unwrap_or_default())
             }
             Self::Said(failure) => failure,
@@ -62,6 +68,9 @@ fn place<'t>(error: &Error, task: &'t Task, shares: &'t str) -> Option<&'t str> 
                 Some(shares)
             }
             field if field.contains("standing") => Some(&task.standing.place),
+            "shape set" | "coordinates of a constrained shape set" => {
+                task.constraints.first().map(|constraint| constraint.set.place.as_str())
+            }
             "limits" => task.limits.first().map(|(said, _)| said.place.as_str()),
             _ => Some(&task.motion.place),
         },

@@ -22,10 +22,14 @@ pub(super) fn contributions(
 }
 
 /// Everything from the one free set without an actuator if there is exactly one among several, else the
-/// smallest shape.
-pub(super) fn default_contributions(sets: &[ShapeSet]) -> Option<Vec<f64>> {
-    let lone = sets.len() > 1 && sets.iter().filter(|set| !set.actuated).count() == 1;
-    lone.then(|| sets.iter().map(|set| if set.actuated { 0.0 } else { 1.0 }).collect())
+/// smallest shape. `held` are the constrained sets.
+pub(super) fn default_contributions(sets: &[ShapeSet], held: &[usize]) -> Option<Vec<f64>> {
+    let mut unactuated = (0..sets.len()).filter(|&index| !sets[index].actuated);
+    let lone = match (unactuated.next(), unactuated.next()) {
+        (Some(lone), None) if sets.len() > 1 && !held.contains(&lone) => lone,
+        _ => return None,
+    };
+    Some((0..sets.len()).map(|index| if index == lone { 1.0 } else { 0.0 }).collect())
 }
 
 #[cfg(test)]
@@ -45,8 +49,9 @@ mod tests {
 
     #[test]
     fn by_default_the_unactuated_set_does_it_all() {
-        assert_eq!(default_contributions(&SETS), Some(vec![0.0, 1.0]));
-        assert_eq!(default_contributions(&SETS[1..]), None);
+        assert_eq!(default_contributions(&SETS, &[0]), Some(vec![0.0, 1.0]));
+        assert_eq!(default_contributions(&SETS, &[1]), None);
+        assert_eq!(default_contributions(&SETS[1..], &[]), None);
     }
 
     #[test]
