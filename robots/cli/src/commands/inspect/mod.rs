@@ -125,9 +125,13 @@ fn summary(plan: &PlanTable<'_>, robot: Option<&Description>) -> Vec<(String, St
             lines.push(line(&format!("peak {}", coordinate.name), format!("{text} {unit}")));
         }
     }
-    for name in plan.columns.iter().filter(|name| name.starts_with(table::FORCE)) {
-        let peak = plan.column(name).map_or(0.0, |values| peak(&values));
-        lines.push(line(&format!("peak {name}"), number::significant(peak, 4)));
+    for coordinate in robot.coordinates.iter().filter(|coordinate| coordinate.actuated) {
+        let name = format!("{}{}", table::FORCE, coordinate.name);
+        let unit = if coordinate.unit == "rad" { "N*m" } else { "N" };
+        if let Some(peak) = plan.column(&name).map(|values| peak(&values)) {
+            lines
+                .push((format!("peak {name}"), format!("{} {unit}", number::significant(peak, 4))));
+        }
     }
     lines
 }
