@@ -1,0 +1,129 @@
+//! What the law needs of a robot, once: roles, gains at the origin, actuators.
+
+use crate::Error;
+use crate::linear_algebra::inverse;
+use nalgebra::{SMatrix, SVector};
+use shapebot_dynamics::{Ordered, Robot};
+
+/// Constants of a robot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plant<T: Ordered, const N: usize, const NX: usize, const NS: usize> {
+    /// The position variables are actuated and balance the unactuated shape.
+    pub(crate) balancing: bool,
+    /// One for coordinates that are servoed: actuated shape variables.
+    pub(crate) servoed: SVector<T, NS>,
+    /// Whether there is any.
+    pub(crate) has_servo: bool,
+    /// K⁰_qs.
+    pub(crate) shape_gain: SMatrix<T, NX, NS>,
+    /// K⁰_qs with the columns of actuated shape variables zero.
+    pub(crate) lean_gain: SMatrix<T, NX, NS>,
+    /// Right inverse of K⁰_qs through the unactuated shape variables (balancing) or all of them.
+    pub(crate) body_gain: SMatrix<T, NS, NX>,
+    /// ∂Γ/∂q̈_s at the origin.
+    pub(crate) response: SMatrix<T, NX, NS>,
+    /// (∂h/∂q_x)⁻¹ ∂h/∂q_s at the origin.
+    pub(crate) output_shape: SMatrix<T, NX, NS>,
+    /// Actuator of each coordinate; N for none.
+    pub(crate) actuator: [usize; N],
+    /// Force of the actuator per generalised force.
+    pub(crate) ratio: SVector<T, N>,
+    /// Largest generalised force; zero without an actuator.
+    pub(crate) limit: SVector<T, N>,
+    /// Range of the shape.
+    pub(crate) lower: SVector<T, NS>,
+    pub(crate) upper: SVector<T, NS>,
+}
+
+impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Plant<T, N, NX, NS> {
+    pub(crate) fn new<R: Robot<T, N, NX, NS>>(robot: &R) -> Result<Self, Error> {
+        let zero = T::zero();
+        let (actuator, ratio, limit) = actuators(robot)?;
+        let driven = |i: usize| actuator[i] < N;
+        let servoed: SVector<T, NS> =
+            SVector::from_fn(|i, _| if driven(NX + i) { T::one() } else { zero });
+        let passive = (0..NS).filter(|&i| !driven(NX + i)).count();
+        let positions = (0..NX).filter(|&i| driven(i)).count();
+        let balancing = match (positions, passive) {
+            (p, u) if p == NX && u == NX => true,
+            (0, 0) => false,
+            _ => return Err(Error::Roles),
+        };
+        let shape_gain = robot.shape_gain();
+        let lean_gain = SMatrix::from_fn(|i, j| {
+            if servoed[j] > zero && balancing { zero } else { shape_gain[(i, j)] }
+        });
+        let rest = SVector::from_element(zero);
+        let (qx, qs) = (SVector::from_element(zero), SVector::from_element(zero));
+        let position = inverse(robot.output_jacobian_position())
+            .ok_or(Error::Singular { matrix: "output's Jacobian" })?;
+        let ranges = robot.description().shape_coordinates();
+        let bound = |pick: fn(&shapebot_dynamics::Coordinate) -> f64| {
+            SVector::from_iterator(ranges.iter().map(|c| T::from_f64(pick(c))))
+        };
+        Ok(Self {
+            balancing,
+            servoed,
+            has_servo: servoed.iter().any(|&s| s > zero),
+            shape_gain,
+            lean_gain,
+            body_gain: right_inverse(&lean_gain)?,
+            response: robot.response(&rest, &rest, &rest).d_qsdd,
+            output_shape: position * robot.output_jacobian_shape(&qx, &qs),
+            actuator,
+            ratio,
+            limit,
+            lower: bound(|c| c.lower),
+            upper: bound(|c| c.upper),
+        })
+    }
+
+    /// Forces per actuator.
+    pub(crate) fn actuator_force(&self, force: &SVector<T, N>) -> SVector<T, N> {
+        let mut out = SVector::<T, N>::from_element(T::zero());
+        for (i, &actuator) in self.actuator.iter().enumerate() {
+            if let Some(entry) = out.get_mut(actuator) {
+                *entry = force[i] * self.ratio[i];
+            }
+        }
+        out
+    }
+}
+
+type Actuators<T, const N: usize> = ([usize; N], SVector<T, N>, SVector<T, N>);
+
+/// Actuator, force per generalised force and largest generalised force of each coordinate.
+fn actuators<T, R, const N: usize, const NX: usize, const NS: usize>(
+    robot: &R,
+) -> Result<Actuators<T, N>, Error>
+where
+    T: Ordered,
+    R: Robot<T, N, NX, NS>,
+{
+    let zero = T::zero();
+    let origin = SVector::from_element(zero);
+    let mut of = [N; N];
+    let (mut ratio, mut limit) = (SVector::from_element(zero), SVector::from_element(zero));
+    for (index, actuator) in robot.description().actuators.iter().enumerate() {
+        let column = robot.input_column(&origin, index);
+        let mut entries = column.iter().enumerate().filter(|(_, x)| **x != zero);
+        let (Some((i, &lever)), None) = (entries.next(), entries.next()) else {
+            return Err(Error::Actuator { index });
+        };
+        if index >= N || of[i] != N {
+            return Err(Error::Actuator { index });
+        }
+        of[i] = index;
+        ratio[i] = T::one() / lever;
+        limit[i] = T::from_f64(actuator.limit) * lever.abs();
+    }
+    Ok((of, ratio, limit))
+}
+
+/// Aᵀ(A Aᵀ)⁻¹.
+fn right_inverse<T: Ordered, const R: usize, const C: usize>(
+    a: &SMatrix<T, R, C>,
+) -> Result<SMatrix<T, C, R>, Error> {
+    let square = inverse(a * a.transpose()).ok_or(Error::Singular { matrix: "shape gain" })?;
+    Ok(a.transpose() * square)
+}
