@@ -12,7 +12,7 @@ use shapebot_dynamics::{Ordered, Robot};
 ///
 /// # Example
 ///
-/// ```ignore
+/// ```
 /// use shapebot_control::{Controller, Gains, State, Target};
 /// use shapebot_generated::ballbot_planar::{BallbotPlanar, CONTROL};
 ///
@@ -22,7 +22,7 @@ use shapebot_dynamics::{Ordered, Robot};
 /// let command = controller.step(&leaning, &Target::stand([0.0].into()));
 /// assert!(command.actuator[0] > 2.0); // N·m: the ball is driven under the body
 /// # Ok::<(), shapebot_control::Error>(())
-/// ```ignore
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Controller<'r, R, T: Ordered, const N: usize, const NX: usize, const NS: usize> {
     robot: &'r R,
