@@ -27,8 +27,9 @@ pub struct Sample<const N: usize, const NX: usize, const NS: usize> {
     pub saturated: bool,
 }
 
-/// When and how a robot fell: a coordinate left its declared range (a ballbot lies down, a marble is
-/// off its plate), or the simulation is no number any more.
+/// When and how a robot fell: a position variable or an unactuated shape variable left its declared
+/// range (a ballbot lies down, a cart is off its track, a marble off its plate), or a coordinate is no
+/// number any more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fall {
     /// s

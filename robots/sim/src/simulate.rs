@@ -7,7 +7,7 @@ use crate::sensors::SensorSuite;
 use crate::{Error, Fall, Plant, Run, Sample, Scenario};
 use nalgebra::SVector;
 use shapebot_control::{Command, Controller, State};
-use shapebot_dynamics::{LagrangianSystem, Robot, ShapeAccelerated};
+use shapebot_dynamics::{LagrangianSystem, Robot, Role, ShapeAccelerated};
 use std::collections::VecDeque;
 
 /// What follows a reference.
@@ -164,12 +164,15 @@ impl<const N: usize, const NX: usize, const NS: usize> Loop<'_, N, NX, NS> {
         }
     }
 
-    /// The first coordinate outside its range.
+    /// The first coordinate that tells a fall. Actuated shape variables are joints, which cannot fall.
     fn fall(&self, time: f64) -> Option<Fall> {
         let coordinates = self.plant.system().description().coordinates;
         let mut values = self.state.q.iter().zip(coordinates).enumerate();
-        let out = values.find(|(_, (value, c))| !(c.lower..=c.upper).contains(*value));
-        out.map(|(coordinate, (&value, _))| Fall { time, coordinate, value })
+        let fallen = values.find(|(_, (value, c))| {
+            let joint = c.role == Role::Shape && c.actuated;
+            !value.is_finite() || (!joint && !(c.lower..=c.upper).contains(*value))
+        });
+        fallen.map(|(coordinate, (&value, _))| Fall { time, coordinate, value })
     }
 }
 

@@ -59,29 +59,33 @@ pub fn solve_riccati(
 mod tests {
     use super::{discretise, solve_riccati};
     use crate::lqr::Linear;
-    use nalgebra::{DMatrix, dmatrix};
+    use nalgebra::DMatrix;
+
+    fn matrix(rows: usize, entries: &[f64]) -> DMatrix<f64> {
+        DMatrix::from_row_slice(rows, entries.len() / rows, entries)
+    }
 
     #[test]
     fn a_scalar_equation_is_solved_by_hand() {
         // p = a²p/(1 + p) + 1 with a = 2: p² − 4p − 1 = 0, p = 2 + √5; k = a p/(1 + p).
         let p = 2.0 + 5.0_f64.sqrt();
-        let one = dmatrix![1.0];
-        let gain = solve_riccati(&dmatrix![2.0], &one, &one, &one).unwrap();
+        let one = matrix(1, &[1.0]);
+        let gain = solve_riccati(&matrix(1, &[2.0]), &one, &one, &one).unwrap();
         assert!((gain[(0, 0)] - 2.0 * p / (1.0 + p)).abs() < 1e-12, "{gain}");
     }
 
     #[test]
     fn what_cannot_be_reached_has_no_gain() {
-        let (a, b) = (dmatrix![1.1, 0.0; 0.0, 0.5], dmatrix![0.0; 1.0]);
-        let (q, r) = (DMatrix::identity(2, 2), dmatrix![1.0]);
-        assert!(solve_riccati(&a, &b, &q, &r).is_err());
+        let (a, b) = (matrix(2, &[1.1, 0.0, 0.0, 0.5]), matrix(2, &[0.0, 1.0]));
+        assert!(solve_riccati(&a, &b, &DMatrix::identity(2, 2), &matrix(1, &[1.0])).is_err());
     }
 
     #[test]
     fn a_double_integrator_is_sampled_by_hand() {
-        let system = Linear { state: dmatrix![0.0, 1.0; 0.0, 0.0], input: dmatrix![0.0; 1.0] };
+        let system =
+            Linear { state: matrix(2, &[0.0, 1.0, 0.0, 0.0]), input: matrix(2, &[0.0, 1.0]) };
         let (a, b) = discretise(&system, 0.1);
-        assert!((a - dmatrix![1.0, 0.1; 0.0, 1.0]).norm() < 1e-14);
-        assert!((b - dmatrix![0.005; 0.1]).norm() < 1e-14);
+        assert!((a - matrix(2, &[1.0, 0.1, 0.0, 1.0])).norm() < 1e-14);
+        assert!((b - matrix(2, &[0.005, 0.1])).norm() < 1e-14);
     }
 }
