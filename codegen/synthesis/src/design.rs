@@ -2,6 +2,7 @@
 
 use crate::closed_loop::{Law, Plant, poles};
 use crate::gains::{Gains, round};
+use crate::linearisation::Linearisation;
 use crate::robot::Robot;
 use crate::search::{PERIOD, Quality, quality, search};
 use shapebot_codegen::derive::Derivation;
@@ -12,9 +13,6 @@ const SHARES: [f64; 4] = [0.2, 0.15, 0.1, 0.05];
 
 /// Corners of the box of parameters at which the whole robot is judged.
 const CORNERS: usize = 48;
-
-/// Corners at which gains are compared in the search.
-const SEARCHED: usize = 5;
 
 /// Longest delay that is looked at, in periods.
 const LONGEST: usize = 50;
@@ -29,8 +27,7 @@ pub fn design(derivation: &Derivation) -> Result<ControlDesign, String> {
         return Err("the model is not shape-accelerated".into());
     }
     let robot = Robot::new(derivation)?;
-    let samples = robot.samples(SHARES[0], SEARCHED, false);
-    let gains = search(&robot, &samples).gains(&robot);
+    let gains = search(&robot).gains(&robot);
     let unstable = || String::from("no gains were found that make its linearised loop stable");
     let law = Law::new(&robot.model, &gains, &robot.actuated).ok_or_else(unstable)?;
     let own = Plant::new(&robot.model, &robot.actuated, PERIOD).ok_or_else(unstable)?;
@@ -39,7 +36,10 @@ pub fn design(derivation: &Derivation) -> Result<ControlDesign, String> {
     if !(at_home.decay > 0.0) {
         return Err(unstable());
     }
-    let (share, plants, worst) = range(&robot, &law, at_home);
+    let alone = range(&robot, &law, |share| robot.samples(share, 0, true));
+    let together = range(&robot, &law, |share| robot.samples(share, CORNERS, false));
+    let plants: Vec<Plant> = alone.1.into_iter().chain(together.1).collect();
+    let worst = plants.iter().fold(at_home, |q, plant| q.worse(quality(&law, plant, 1)));
     let delay_margin = margin(&law, std::slice::from_ref(&own));
     let worst_delay_margin = margin(&law, &plants).min(delay_margin);
     let figures = LoopFigures {
@@ -50,27 +50,30 @@ pub fn design(derivation: &Derivation) -> Result<ControlDesign, String> {
         worst_decay: round(worst.decay),
         delay_margin: round(delay_margin),
         worst_delay_margin: round(worst_delay_margin),
-        ranges: ranges(&robot, share),
+        ranges: ranges(&robot, alone.0),
+        together: together.0,
         samples: plants.len(),
     };
     Ok(assembled(&robot, &gains, figures))
 }
 
-/// The widest share of the parameters over which the loop is stable at all points looked at, the plants
-/// at those points, and the worst quality among them.
-fn range(robot: &Robot<'_>, law: &Law<'_>, own: Quality) -> (f64, Vec<Plant>, Quality) {
+/// The widest share of the parameters' values over which the loop is stable at all samples, and the
+/// plants there.
+fn range(
+    robot: &Robot<'_>,
+    law: &Law<'_>,
+    samples: impl Fn(f64) -> Vec<Linearisation>,
+) -> (f64, Vec<Plant>) {
     for share in SHARES {
-        let samples = robot.samples(share, CORNERS, true);
         let plant = |sample| Plant::new(sample, &robot.actuated, PERIOD);
-        let Some(plants) = samples.iter().map(plant).collect::<Option<Vec<Plant>>>() else {
+        let Some(plants) = samples(share).iter().map(plant).collect::<Option<Vec<Plant>>>() else {
             continue;
         };
-        let worst = plants.iter().fold(own, |q, plant| q.worse(quality(law, plant, 1)));
-        if worst.decay > 0.0 {
-            return (share, plants, worst);
+        if plants.iter().all(|plant| quality(law, plant, 1).decay > 0.0) {
+            return (share, plants);
         }
     }
-    (0.0, Vec::new(), own)
+    (0.0, Vec::new())
 }
 
 /// Delay beyond one period that all loops bear, s.

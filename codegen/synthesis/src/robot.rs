@@ -2,6 +2,7 @@
 
 use crate::linear_algebra::Matrix;
 use crate::linearisation::Linearisation;
+use crate::search::SERVO_RATE;
 use shapebot_codegen::derive::Derivation;
 
 /// Largest off-diagonal part of a matrix of scales that counts as none.
@@ -154,10 +155,10 @@ impl<'a> Robot<'a> {
     }
 }
 
-/// τ where the output is delayed by it, else 1/p, else a tenth of a second.
+/// τ where the output is delayed by it, else 1/p, else four times that of the servo.
 fn time(pole_squared: f64, output: f64) -> f64 {
     let lag = output.abs().sqrt();
-    let fall = if pole_squared == 0.0 { 0.1 } else { 1.0 / pole_squared.abs().sqrt() };
+    let fall = if pole_squared == 0.0 { 4.0 / SERVO_RATE } else { 1.0 / pole_squared.abs().sqrt() };
     if lag > 0.1 * fall { lag } else { fall }
 }
 

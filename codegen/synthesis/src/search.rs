@@ -13,7 +13,7 @@ pub(crate) const PERIOD: f64 = 0.002;
 const DELAY: f64 = 0.01;
 
 /// Rate of servoed shape variables, rad/s, at most a tenth of the period's.
-const SERVO_RATE: f64 = 12.0;
+pub(crate) const SERVO_RATE: f64 = 12.0;
 const SERVO_DAMPING: f64 = 0.9;
 /// k_i of the servo in units of ω³.
 const SERVO_INTEGRAL: f64 = 0.1;
@@ -29,9 +29,43 @@ pub(crate) struct Natural {
     pub(crate) values: [f64; 7],
 }
 
-pub(crate) const START: Natural = Natural { values: [1.9, 1.45, 0.18, 0.46, 0.44, 3.2, 0.35] };
-const LOWER: [f64; 7] = [1.1, 0.7, 0.03, 0.1, 0.3, 0.8, 0.2];
+/// Where the search begins, with a balancing loop and without.
+const BALANCING: Natural = Natural { values: [1.9, 1.45, 0.18, 0.46, 0.44, 2.5, 0.35] };
+const SERVOED: Natural = Natural { values: [1.9, 1.45, 0.18, 0.67, 0.8, 3.2, 0.4] };
+const LOWER: [f64; 7] = [1.1, 0.7, 0.03, 0.1, 0.3, 2.2, 0.15];
 const UPPER: [f64; 7] = [2.3, 1.8, 1.0, 1.2, 1.5, 4.0, 0.6];
+
+/// Shares of the parameters' values for each parameter alone, and for all together.
+const ALONE: f64 = 0.2;
+const TOGETHER: f64 = 0.1;
+
+/// Corners of the box of all parameters.
+const CORNERS: usize = 24;
+
+/// How often the parameter values that are looked at are chosen anew, and how many are added.
+const CUTS: usize = 2;
+const LOOKED_AT: usize = 3;
+
+/// Rounds of the search.
+const ROUNDS: usize = 10;
+
+/// Damping and decay (in natural time) that are aimed at: at the model's own values, the same with
+/// delay, and over the ranges.
+const WANTED: [[f64; 2]; 3] = [[0.45, 0.1], [0.25, 0.05], [0.12, 0.05]];
+
+/// Price of what is missing.
+const PENALTY: f64 = 30.0;
+
+/// Cost of what is unstable.
+const UNSTABLE: f64 = 1e3;
+
+/// Weights of lean, of a constant force and of an offset beside a position error.
+const EFFORT: f64 = 0.7;
+const FORCE: f64 = 10.0;
+const OFFSET: f64 = 0.1;
+
+/// Squarings of the loop's map: 2¹³ periods.
+const DOUBLINGS: usize = 13;
 
 impl Natural {
     /// The gains of a robot.
@@ -99,17 +133,37 @@ struct Case {
     axes: Vec<usize>,
     actuated: Vec<bool>,
     time: f64,
-    /// The model's own values first.
-    plants: Vec<(Plant, Linearisation)>,
+    own: Plant,
+    /// At other parameter values: all of them, and the indices of those that are looked at.
+    others: Vec<Plant>,
+    critical: Vec<usize>,
 }
 
 /// The best gains found.
-pub(crate) fn search(robot: &Robot<'_>, samples: &[Linearisation]) -> Natural {
-    let cases = cases(robot, samples);
-    let mut best = START;
-    let mut score = rate(robot, &cases, &best);
-    let mut steps = [0.25, 0.2, 0.1, 0.15, 0.15, 0.6, 0.1];
-    let free: &[usize] = if robot.balancing { &[3, 4, 0, 1, 2, 5, 6] } else { &[3, 4, 6] };
+pub(crate) fn search(robot: &Robot<'_>) -> Natural {
+    let mut samples = robot.samples(ALONE, 0, true);
+    samples.extend(robot.samples(TOGETHER, CORNERS, false));
+    let mut cases = cases(robot, &samples);
+    let mut best = if robot.balancing { BALANCING } else { SERVOED };
+    for _ in 0..CUTS {
+        for case in &mut cases {
+            case.look_at_worst(robot, &best);
+        }
+        best = compass(robot, &cases, best);
+    }
+    best
+}
+
+/// Moves one natural parameter at a time, by steps that halve where nothing improves.
+fn compass(robot: &Robot<'_>, cases: &[Case], start: Natural) -> Natural {
+    let mut best = start;
+    let mut score = rate(robot, cases, &best);
+    let mut steps = [0.2, 0.2, 0.1, 0.1, 0.1, 0.6, 0.1];
+    let free: &[usize] = match (robot.balancing, robot.observable) {
+        (true, true) => &[3, 4, 0, 1, 2, 5, 6],
+        (true, false) => &[3, 4, 0, 1, 2, 6],
+        _ => &[3, 4, 6],
+    };
     for _ in 0..ROUNDS {
         let before = score;
         for &i in free {
@@ -119,93 +173,104 @@ pub(crate) fn search(robot: &Robot<'_>, samples: &[Linearisation]) -> Natural {
                 if next == best {
                     continue;
                 }
-                let found = rate(robot, &cases, &next);
-                if found > score {
+                let found = rate(robot, cases, &next);
+                if found < score {
                     (best, score) = (next, found);
                     break;
                 }
             }
         }
-        if score <= before {
+        if score >= before {
             steps = steps.map(|step| 0.5 * step);
         }
     }
     best
 }
 
-const ROUNDS: usize = 0;
-
-/// Worst decay in natural time, less what is missing in damping.
+/// Mean squared deviations, and what is missing in damping and decay. Lower is better.
 fn rate(robot: &Robot<'_>, cases: &[Case], natural: &Natural) -> f64 {
     let [inner, damping, ..] = natural.values;
     if robot.balancing && 2.0 * damping * inner > NOISE {
-        return f64::NEG_INFINITY;
+        return f64::INFINITY;
     }
     let gains = natural.gains(robot);
-    let late = 1 + (DELAY / PERIOD).round() as usize;
-    let mut worst = f64::INFINITY;
+    let mut total = 0.0;
     for case in cases {
-        let pick = |list: &[[f64; 2]]| case.axes.iter().map(|&i| list[i]).collect();
-        let lean = gains.lean.iter().enumerate().filter(|(i, _)| case.axes.contains(i));
-        let own = Gains {
+        let own = case.gains(&gains);
+        let Some(law) = Law::new(&case.model, &own, &case.actuated) else { return f64::INFINITY };
+        let now = quality(&law, &case.own, 1);
+        let late = quality(&law, &case.own, 1 + (DELAY / PERIOD).round() as usize);
+        let other = case.critical.iter().map(|&i| quality(&law, &case.others[i], 3));
+        let other = other.fold(now, Quality::worse);
+        let lacking = [now, late, other].into_iter().zip(WANTED).map(|(q, [damping, decay])| {
+            (damping - q.damping).max(0.0) + (decay - q.decay * case.time).max(0.0)
+        });
+        let lacking: f64 = lacking.sum();
+        let cost = if now.decay > 0.0 { case.cost(&law) } else { UNSTABLE };
+        total += cost.min(UNSTABLE) + PENALTY * lacking;
+    }
+    total
+}
+
+impl Case {
+    /// The gains of its axes.
+    fn gains(&self, gains: &Gains) -> Gains {
+        let lean = gains.lean.iter().enumerate().filter(|(i, _)| self.axes.contains(i));
+        Gains {
             lean: lean.map(|(_, g)| *g).collect(),
-            outer: pick(&gains.outer),
+            outer: self.axes.iter().map(|&i| gains.outer[i]).collect(),
             ..gains.clone()
-        };
-        let Some(law) = Law::new(&case.model, &own, &case.actuated) else {
-            return f64::NEG_INFINITY;
-        };
-        for (k, (plant, sample)) in case.plants.iter().enumerate() {
-            for delay in [1, late] {
-                let closed = law.disturbed(plant, delay);
-                let c = cost(closed, sample, case.time);
-                worst = worst.min(-c);
+        }
+    }
+
+    /// Adds the worst of the other parameter values to those that are looked at.
+    fn look_at_worst(&mut self, robot: &Robot<'_>, natural: &Natural) {
+        let own = self.gains(&natural.gains(robot));
+        let Some(law) = Law::new(&self.model, &own, &self.actuated) else { return };
+        let damping = |(i, plant)| (quality(&law, plant, 1).damping, i);
+        let mut list: Vec<(f64, usize)> = self.others.iter().enumerate().map(damping).collect();
+        list.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, i) in list.into_iter().take(LOOKED_AT) {
+            if !self.critical.contains(&i) {
+                self.critical.push(i);
             }
         }
     }
-    worst
-}
 
-/// Mean squared deviation of output and lean after one unit of position error, of force and of offset,
-/// in natural units: how far and how long.
-fn cost(closed: Matrix, sample: &Linearisation, time: f64) -> f64 {
-    let (n, n_x) = (sample.len(), sample.position_count());
-    let size = closed.rows;
-    let states = size - n;
-    let mut output = Matrix::zeros(2 * n_x, size);
-    for i in 0..n_x {
-        output[(i, i)] = 1.0;
-        for j in 0..n - n_x {
-            output[(i, n_x + j)] = sample.output_shape[(i, j)];
-            output[(n_x + i, n_x + j)] = EFFORT * time * time * sample.shape_gain[(i, j)];
+    /// Squared deviation of output and lean over time after one unit of position error, of force and of
+    /// offset, in natural units: how far and how long.
+    fn cost(&self, law: &Law<'_>) -> f64 {
+        let model = &self.model;
+        let closed = law.disturbed(&self.own, 1);
+        let (n, n_x) = (model.len(), model.position_count());
+        let size = closed.rows;
+        let states = size - n;
+        let mut output = Matrix::zeros(2 * n_x, size);
+        let square = self.time * self.time;
+        for i in 0..n_x {
+            output[(i, i)] = 1.0;
+            for j in 0..n - n_x {
+                output[(i, n_x + j)] = model.output_shape[(i, j)];
+                output[(n_x + i, n_x + j)] = EFFORT * square * model.shape_gain[(i, j)];
+            }
         }
-    }
-    let mut sum = output.transpose().times(&output);
-    let mut power = closed;
-    for _ in 0..DOUBLINGS {
-        let next = power.transpose().times(&sum).times(&power);
-        sum = sum.plus(&next);
-        power = power.times(&power);
-        if !(sum.largest() < 1e12) {
-            return f64::INFINITY;
+        let mut sum = output.transpose().times(&output);
+        let mut power = closed;
+        for _ in 0..DOUBLINGS {
+            sum = sum.plus(&power.transpose().times(&sum).times(&power));
+            power = power.times(&power);
         }
+        let mut total = 0.0;
+        for i in 0..n_x {
+            total += sum[(i, i)];
+            total += FORCE * sum[(states + i, states + i)] / (square * square);
+        }
+        for j in states + n_x..states + n {
+            total += OFFSET * sum[(j, j)] / (square * square);
+        }
+        total * PERIOD / self.time
     }
-    let scale = time * time;
-    let mut total = 0.0;
-    for i in 0..n_x {
-        total += sum[(i, i)];
-        total += FORCE * sum[(states + i, states + i)] / (scale * scale);
-    }
-    for j in 0..n - n_x {
-        total += OFFSET * sum[(states + n_x + j, states + n_x + j)] / (scale * scale);
-    }
-    total * PERIOD / time
 }
-
-const EFFORT: f64 = 0.7;
-const FORCE: f64 = 1.0;
-const OFFSET: f64 = 0.1;
-const DOUBLINGS: usize = 13;
 
 fn cases(robot: &Robot<'_>, samples: &[Linearisation]) -> Vec<Case> {
     let n_x = robot.model.position_count();
@@ -227,14 +292,18 @@ fn cases(robot: &Robot<'_>, samples: &[Linearisation]) -> Vec<Case> {
         let part = |model: &Linearisation| robot.core(model).restricted(&axes, &axes);
         let actuated: Vec<bool> =
             (0..2 * axes.len()).map(|i| (i < axes.len()) == robot.balancing).collect();
-        let plants = std::iter::once(&robot.model)
-            .chain(samples)
-            .filter_map(|sample| {
-                let sample = part(sample);
-                Some((Plant::new(&sample, &actuated, PERIOD)?, sample))
-            })
-            .collect();
-        cases.push(Case { model: part(&robot.model), axes, actuated, time: scale.time, plants });
+        let plant = |sample: &Linearisation| Plant::new(&part(sample), &actuated, PERIOD);
+        let others = samples.iter().filter_map(plant).collect();
+        let Some(own) = plant(&robot.model) else { continue };
+        cases.push(Case {
+            model: part(&robot.model),
+            axes,
+            own,
+            others,
+            critical: Vec::new(),
+            actuated: actuated.clone(),
+            time: scale.time,
+        });
     }
     cases
 }

@@ -58,6 +58,7 @@ fn figures(figures: &LoopFigures) -> String {
             delay_margin: {:?},
             worst_delay_margin: {:?},
             ranges: &[{}],
+            together: {:?},
             samples: {},
         }}",
         poles.join(", "),
@@ -68,6 +69,7 @@ fn figures(figures: &LoopFigures) -> String {
         figures.delay_margin,
         figures.worst_delay_margin,
         ranges.join(", "),
+        figures.together,
         figures.samples,
     )
 }
@@ -80,13 +82,13 @@ fn docs(design: &ControlDesign) -> String {
         "Gains of the control law and figures of the loop that they close.\n\
          \n\
          At the model's own parameter values: slowest decay {:.3} 1/s, damping {:.2}, stable with {:.0} ms\n\
-         of delay beyond the one period of {:.0} ms. At {} points over the ranges of\n\
-         [`LoopFigures::ranges`](::shapebot_dynamics::control::LoopFigures::ranges): decay {:.3} 1/s,\n\
-         damping {:.2}, {:.0} ms.",
+         of delay beyond the one period of {:.0} ms. Over the ranges of the figures, each parameter alone or\n\
+         all together by {:.0} %, at {} points: decay {:.3} 1/s, damping {:.2}, {:.0} ms.",
         f.decay,
         f.damping,
         ms(f.delay_margin),
         ms(design.period),
+        100.0 * f.together,
         f.samples,
         f.worst_decay,
         f.worst_damping,

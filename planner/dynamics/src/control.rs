@@ -66,9 +66,11 @@ pub struct LoopFigures {
     pub delay_margin: f64,
     /// The same, smallest over the ranges.
     pub worst_delay_margin: f64,
-    /// Ranges of the parameters over which the loop was found stable.
+    /// Ranges of the plant's parameters, each alone at its ends, over which the loop was found stable.
     pub ranges: &'static [ParameterRange],
-    /// Points of those ranges at which the poles were computed.
+    /// Share of all parameters' values by which they may differ together, at random corners.
+    pub together: f64,
+    /// Points of both kinds at which poles were computed.
     pub samples: usize,
 }
 

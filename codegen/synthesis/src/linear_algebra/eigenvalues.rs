@@ -115,27 +115,27 @@ fn shifts(h: &mut Matrix, last: usize, sweeps: usize, shift: &mut f64) -> [f64; 
 
 /// One double-shift QR sweep over rows `start..=last`.
 fn step(h: &mut Matrix, start: usize, last: usize, [x, y, w]: [f64; 3]) {
-    let (mut m, mut column) = (last - 2, [0.0; 3]);
-    loop {
+    let mut m = last - 2;
+    let mut column = loop {
         let z = h[(m, m)];
         let (r, s) = (x - z, y - z);
-        column = [
+        let column = [
             (r * s - w) / h[(m + 1, m)] + h[(m, m + 1)],
             h[(m + 1, m + 1)] - z - r - s,
             h[(m + 2, m + 1)],
         ];
         let size = column.iter().map(|v| v.abs()).sum::<f64>();
-        column = column.map(|v| v / size);
+        let column = column.map(|v| v / size);
         if m == start {
-            break;
+            break column;
         }
         let small = h[(m, m - 1)].abs() * (column[1].abs() + column[2].abs());
         let near = h[(m - 1, m - 1)].abs() + z.abs() + h[(m + 1, m + 1)].abs();
         if small <= f64::EPSILON * column[0].abs() * near {
-            break;
+            break column;
         }
         m -= 1;
-    }
+    };
     for i in m + 2..=last {
         h[(i, i - 2)] = 0.0;
         if i > m + 2 {
