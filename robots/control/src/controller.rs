@@ -48,6 +48,8 @@ pub(crate) struct Memory<T: Ordered, const N: usize, const NX: usize, const NS: 
     pub(crate) offset: OffsetObserver<T, NX>,
     /// Forces of the last step.
     pub(crate) force: SVector<T, N>,
+    /// Dissipation at the last step.
+    pub(crate) drag: SVector<T, N>,
     /// Compensation of the last step.
     pub(crate) compensation: SVector<T, NS>,
 }
@@ -106,6 +108,7 @@ where
             rate: qsd - target.shape[1],
         };
         let motion = self.robot.motion(&state.q, &state.qd);
+        let drag = self.robot.dissipative_force(&state.q, &state.qd);
         let momentum: SVector<T, NX> = (motion.mass_matrix * state.qd).fixed_rows::<NX>(0).into();
         let gamma = self.robot.gamma(&qs, &qsd, &target.shape[2]);
         let slope = gamma - self.plant.response * target.shape[2];
@@ -115,10 +118,11 @@ where
         let outer = self.outer(&memory, &deviation, target);
         let error = self.errors(&deviation, &outer);
         let balance = self.balance(&memory, &deviation, &outer, &error, &motion, target);
-        let wanted = self.servo(&memory, &deviation, &error, &motion, target, &balance);
+        let wanted = self.servo(&memory, &deviation, &error, &(motion, drag), target, &balance);
         let force = self.limited(&wanted, &memory.force);
         self.integrate(&mut memory, &error, &wanted, &force);
         memory.force = force;
+        memory.drag = drag;
         memory.compensation = outer.compensation;
         self.conclude(memory, &outer, &wanted, force)
     }
@@ -133,7 +137,7 @@ where
     ) {
         let Gains { period, observer, observer_rate, offset, offset_rate, .. } = self.gains;
         let switched = |on: bool, rate: T| if on { rate } else { T::zero() };
-        let (applied, _) = R::split(&memory.force);
+        let (applied, _) = R::split(&(memory.force + memory.drag));
         memory.momentum.advance(momentum, &applied, [period, switched(observer, observer_rate)]);
         memory.offset.advance(z, slope, [period, switched(offset, offset_rate)]);
         memory.offset.limit(&self.offset_limit);
@@ -172,6 +176,7 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Memory<T, N, 
             momentum: MomentumObserver::new(momentum),
             offset: OffsetObserver::new(z, slope),
             force: SVector::from_element(T::zero()),
+            drag: SVector::from_element(T::zero()),
             compensation: SVector::from_element(T::zero()),
         }
     }
@@ -182,6 +187,7 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Memory<T, N, 
             & self.momentum.is_finite()
             & self.offset.is_finite()
             & finite(&self.force)
+            & finite(&self.drag)
             & finite(&self.compensation)
     }
 }

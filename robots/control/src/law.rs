@@ -118,7 +118,7 @@ where
         memory: &Memory<T, N, NX, NS>,
         deviation: &Deviation<T, NX, NS>,
         error: &Errors<T, NX, NS>,
-        motion: &Motion<T, N>,
+        (motion, drag): &(Motion<T, N>, SVector<T, N>),
         target: &Target<T, N, NX, NS>,
         balance: &SVector<T, N>,
     ) -> SVector<T, N> {
@@ -135,8 +135,8 @@ where
             SVector::from_fn(|i, _| if i < NX { T::zero() } else { self.plant.servoed[i - NX] });
         let given: SVector<T, N> =
             SVector::from_fn(|i, _| if i < NX { T::zero() } else { servoed[i] * wanted[i - NX] });
-        // What moves freely obeys M q̈ = f − C q̇ − G with the servoed accelerations given.
-        let bias = motion.coriolis_vector + motion.gravity;
+        // What moves freely obeys M q̈ = f − C q̇ − G − ∂D/∂q̇ with the servoed accelerations given.
+        let bias = motion.coriolis_vector + motion.gravity - drag;
         let acting = self.limited(balance, &memory.force);
         let known = SVector::<T, N>::from_fn(|i, _| {
             if i < NX { acting[i] + memory.momentum.disturbance[i] } else { T::zero() }

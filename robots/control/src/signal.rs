@@ -31,12 +31,14 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Target<T, N, 
         Self { position: at, shape: [shape; 3], force: SVector::from_element(T::zero()) }
     }
 
-    /// The same with the forces that the robot's dynamics need for this motion, M q̈ + C q̇ + G.
+    /// The same with the forces that the robot's dynamics need for this motion,
+    /// M q̈ + C q̇ + G + ∂D/∂q̇.
     #[must_use]
     pub fn with_feedforward<R: Robot<T, N, NX, NS>>(self, robot: &R) -> Self {
         let [q, qd, qdd] =
             [0, 1, 2].map(|order: usize| R::join(&self.position[order], &self.shape[order]));
-        Self { force: robot.inverse_dynamics(&q, &qd, &qdd), ..self }
+        let drag = robot.dissipative_force(&q, &qd);
+        Self { force: robot.inverse_dynamics(&q, &qd, &qdd) - drag, ..self }
     }
 }
 

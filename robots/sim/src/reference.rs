@@ -4,7 +4,7 @@ use crate::Error;
 use nalgebra::SVector;
 use shapebot_control::Target;
 use shapebot_dynamics::Robot;
-use shapebot_planner::{Row, generalised_force};
+use shapebot_planner::Row;
 
 /// What is to happen at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,12 +123,13 @@ where
     R: Robot<f64, N, NX, NS>,
 {
     let plan = &row.plan;
+    let target = Target {
+        position: [row.position, row.velocity, row.acceleration],
+        shape: [plan.shape, plan.shape_velocity, plan.shape_acceleration],
+        force: SVector::zeros(),
+    };
     Moment {
-        target: Target {
-            position: [row.position, row.velocity, row.acceleration],
-            shape: [plan.shape, plan.shape_velocity, plan.shape_acceleration],
-            force: generalised_force(robot, row),
-        },
+        target: target.with_feedforward(robot),
         planned: row.output,
         desired: [plan.desired.output[0], plan.desired.output[1]],
     }
