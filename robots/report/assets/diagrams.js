@@ -6,40 +6,43 @@ class PathPlot {
     this.run = run;
     const figure = document.createElement("figure");
     figure.className = "plot";
-    const paths = run.animation.paths;
-    const legend = paths.map(({ stroke }) => `<li><svg class="swatch" width="26" height="10" aria-hidden="true"><path class="${stroke} path" d="M1 5H25"/></svg><span>${stroke}</span></li>`);
+    const legend = run.animation.paths.map(({ stroke }) => `<li><svg class="swatch" width="26" height="10" aria-hidden="true"><path class="${stroke} path" d="M1 5H25"/></svg><span>${stroke}</span></li>`);
     figure.innerHTML =
       `<figcaption><span class="name">Path from above</span> <span class="unit">[m]</span></figcaption>` +
-      `<ul class="legend">${legend.join("")}</ul><div class="drawing">${this.svg(paths)}</div>`;
+      `<ul class="legend">${legend.join("")}</ul><div class="drawing"></div>`;
     container.append(figure);
-    this.dot = figure.querySelector(".place");
+    this.drawing = figure.querySelector(".drawing");
+    this.render(this.drawing.clientWidth || 640);
   }
 
-  svg(paths) {
-    const [width, height, margin] = [640, 300, 40];
-    const { lines, toX, toY, scale } = pathsFromAbove(paths, width, height, margin);
+  render(width) {
+    if (width === this.width) return;
+    this.width = width;
+    const height = Math.round(Math.min(320, 0.62 * width));
+    const { lines, toX, toY, scale } = pathsFromAbove(this.run.animation.paths, width, height, 44);
     [this.toX, this.toY] = [toX, toY];
-    const step = roundLength(70 / scale);
-    const marks = (low, high) => ticks([low, high], Math.max(1, (high - low) / step), true);
-    const across = marks((54 - toX(0)) / scale, (width - 14 - toX(0)) / scale);
-    const up = marks((toY(0) - height + 34) / scale, (toY(0) - 10) / scale);
+    const [left, right, top, floor] = [54, width - 14, 22, height - 34];
+    const across = ticks([left, right].map((x) => (x - toX(0)) / scale), Math.max(3, width / 60), true);
+    const up = ticks([floor, top].map((y) => (toY(0) - y) / scale), 6, true);
     const columns = across.values.map((value) => {
       const x = toX(value).toFixed(1);
-      return `<path class="grid" d="M${x} 10V${height - 34}"/><text x="${x}" y="${height - 18}" text-anchor="middle">${axisText(value, across.digits)}</text>`;
+      return `<path class="grid" d="M${x} ${top}V${floor}"/><text x="${x}" y="${floor + 17}" text-anchor="middle">${axisText(value, across.digits)}</text>`;
     });
     const rows = up.values.map((value) => {
       const y = toY(value).toFixed(1);
-      return `<path class="grid" d="M54 ${y}H${width - 14}"/><text x="46" y="${y}" dy=".32em" text-anchor="end">${axisText(value, up.digits)}</text>`;
+      return `<path class="grid" d="M${left} ${y}H${right}"/><text x="${left - 8}" y="${y}" dy=".32em" text-anchor="end">${axisText(value, up.digits)}</text>`;
     });
-    return (
+    this.drawing.innerHTML =
       `<svg viewBox="0 0 ${width} ${height}" role="img" aria-label="Paths from above: desired, planned, actual">` +
       columns.join("") + rows.join("") + lines +
-      `<text class="axis" x="${width - 14}" y="${height - 3}" text-anchor="end">x [m]</text><text class="axis" x="4" y="18">y [m]</text>` +
-      `<circle class="place" r="5"/></svg>`
-    );
+      `<text class="axis" x="${right}" y="${height - 3}" text-anchor="end">x [m]</text><text class="axis" x="${left}" y="12" text-anchor="middle">y [m]</text>` +
+      `<circle class="place" r="5"/></svg>`;
+    this.dot = this.drawing.querySelector(".place");
+    if (this.shown !== undefined) this.show(this.shown);
   }
 
   show(t) {
+    this.shown = t;
     const place = locate(this.run.times, t);
     const paths = this.run.animation.paths;
     const actual = paths.find(({ stroke }) => stroke === "actual") ?? paths[0];

@@ -36,6 +36,8 @@ prefersDark.addEventListener("change", () => players.forEach((player) => player.
 prefersStill.addEventListener("change", () => players.forEach((player) => player.pause()));
 
 // On paper everything is shown; afterwards the page is as it was.
+/** Width of a plot on paper, in units of its text. */
+const PAPER_WIDTH = 380;
 let opened = [];
 addEventListener("beforeprint", () => {
   isPrinting = true;
@@ -43,11 +45,16 @@ addEventListener("beforeprint", () => {
   for (const details of opened) details.open = true;
   for (const player of players) {
     player.build();
+    player.fit(PAPER_WIDTH);
     player.draw();
   }
 });
 addEventListener("afterprint", () => {
   isPrinting = false;
   for (const details of opened) details.open = false;
-  for (const player of players) player.draw();
+  for (const player of players) {
+    if (!player.isBuilt) continue;
+    player.fit();
+    player.draw();
+  }
 });

@@ -117,3 +117,8 @@ function bodyRadius({ kind, radius, length, edges }) {
   if (kind === "box") return Vec.length(edges) / 2;
   return kind === "capsule" ? radius + length / 2 : Math.hypot(radius, length / 2);
 }
+
+/** Half of the width that a body has across its length. */
+function bodyGirth({ radius, edges }) {
+  return radius ?? [...edges].sort((a, b) => a - b)[1] / 2;
+}

@@ -15,7 +15,8 @@ class PainterRenderer {
     this.drawFloor();
     this.drawShadows();
     if (!picture.carrier) this.drawRibbons();
-    this.drawSolids();
+    this.drawSolids(picture.copies);
+    this.drawSolids(picture.solids);
     if (picture.carrier) this.drawRibbons();
   }
 
@@ -89,8 +90,7 @@ class PainterRenderer {
     const { viewProjection, theme, solids, light, floor } = this.picture;
     const shadow = Mat.multiply(viewProjection, Mat.shadow(light, floor));
     this.context.beginPath();
-    for (const { mesh, matrix, fade } of solids) {
-      if (fade) continue;
+    for (const { mesh, matrix } of solids) {
       for (const [, corners] of this.faces(mesh, Mat.multiply(shadow, matrix))) {
         if (this.area(corners) > 0) this.trace(corners);
       }
@@ -113,9 +113,9 @@ class PainterRenderer {
     }
   }
 
-  drawSolids() {
+  drawSolids(solids) {
     const shown = [];
-    for (const solid of this.picture.solids) {
+    for (const solid of solids) {
       const matrix = Mat.multiply(this.picture.viewProjection, solid.matrix);
       for (const [face, corners] of this.faces(solid.mesh, matrix)) {
         if (this.area(corners) <= 0) continue;

@@ -38,7 +38,7 @@ class Player {
       for (const panel of this.run.panels) {
         this.plots.push(new TimePlot(container, this.run, panel, (t) => this.seek(t)));
       }
-      new ResizeObserver(() => this.fit()).observe(container);
+      new ResizeObserver(() => isPrinting || this.fit()).observe(container);
     }
     if (this.canvas) {
       this.scene = new Scene(this.run);
@@ -54,8 +54,10 @@ class Player {
     this.show();
   }
 
-  fit() {
-    for (const plot of this.plots) plot.render(Math.round(plot.drawing.clientWidth) || plot.width);
+  /** Draws the plots as wide as their place, or at a given width. */
+  fit(width) {
+    const plots = this.above ? [this.above, ...this.plots] : this.plots;
+    for (const plot of plots) plot.render(width ?? (Math.round(plot.drawing.clientWidth) || plot.width));
   }
 
   resize() {

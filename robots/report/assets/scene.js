@@ -6,14 +6,14 @@ const LIGHT = Vec.unit([0.45, -0.55, 1]);
 const THEMES = {
   light: {
     background: color("#ffffff"), ground: color("#f3f4f2"), lines: color("#9aa3ab"),
-    shadow: color("#20262c"), darkness: 0.34,
+    shadow: color("#20262c"), darkness: 0.34, fade: 0.8,
     desired: color("#b9c4cd"), planned: color("#0072b2"), actual: color("#d55e00"),
     ball: color("#e2542a"), ballMark: color("#fff4e6"), trunk: color("#c9d3dc"), band: color("#0072b2"),
     limb: color("#2f7f8f"), block: color("#7b8c9b"), wheel: color("#2f353c"), spoke: color("#aeb8c1"),
   },
   dark: {
     background: color("#1a1e23"), ground: color("#22272d"), lines: color("#59636e"),
-    shadow: color("#000000"), darkness: 0.5,
+    shadow: color("#000000"), darkness: 0.5, fade: 0.72,
     desired: color("#56616b"), planned: color("#56b4e9"), actual: color("#f58549"),
     ball: color("#e2542a"), ballMark: color("#fff4e6"), trunk: color("#b4c0cb"), band: color("#2b8cc9"),
     limb: color("#3d9aac"), block: color("#74869a"), wheel: color("#4a525b"), spoke: color("#c3ccd4"),
@@ -80,7 +80,10 @@ class Scene {
     });
     this.bodies = run.bodies.map((body, i) => {
       const spins = turns(tracks[i]);
-      return { mesh: bodyMesh(body, spins), look: look(body, spins), track: tracks[i] };
+      const girth = bodyGirth(body);
+      const bounds = tracks[i].slice(0, 3).map((list) => extent([list]));
+      const moves = bounds.some(([low, high]) => high - low > girth);
+      return { mesh: bodyMesh(body, spins), look: look(body, spins), track: tracks[i], girth, moves };
     });
     this.points = this.outline();
     const bounds = [0, 1, 2].map((axis) => extent([this.points.map((p) => p[axis])]));
@@ -121,9 +124,9 @@ class Scene {
   }
 
   ribbon({ stroke, points }) {
-    const unit = this.size * (this.carrier === null ? 1 : 0.6);
+    const unit = this.size;
     const width = { desired: 0.03, planned: 0.008, actual: 0.013 }[stroke] * unit;
-    const lift = { desired: 0.0005, planned: 0.001, actual: 0.0015 }[stroke] * unit;
+    const lift = { desired: 0.002, planned: 0.003, actual: 0.004 }[stroke] * unit;
     const dash = stroke === "planned" ? 0.04 * unit : 0;
     return { stroke, mesh: ribbonMesh(points, width, lift, dash), count: points[0].length - 1 };
   }
@@ -133,6 +136,25 @@ class Scene {
     return this.bodies.map(({ mesh, look: [base, mark], track }) => ({
       mesh, matrix: poseAt(track, place), base: theme[base], mark: theme[mark], fade,
     }));
+  }
+
+  /** Pale copies at some instants, where they stand clear of the robot. */
+  copies(theme, t) {
+    const { start, end } = this.run;
+    const now = locate(this.run.times, t);
+    const copies = [];
+    for (const fraction of COPIES) {
+      const then = locate(this.run.times, start + fraction * (end - start));
+      const moving = this.bodies.filter(({ moves }) => moves);
+      const clear = moving.every(({ track, girth }) => {
+        const way = track.slice(0, 3).map((list) => valueAt(list, then) - valueAt(list, now));
+        return Vec.length(way) > 1.2 * girth;
+      });
+      if (!clear) continue;
+      const solids = this.solids(theme, start + fraction * (end - start), theme.fade);
+      copies.push(...solids.filter((_, i) => this.bodies[i].moves));
+    }
+    return copies;
   }
 
   /** Ribbons with their paint; what the robot has not done yet is pale. */
@@ -155,16 +177,10 @@ class Scene {
   picture(t, camera, aspect, theme, withCopies) {
     const { eye, viewProjection } = camera.matrices(aspect);
     const solids = this.solids(theme, t, 0);
-    if (withCopies) {
-      const { start, end } = this.run;
-      for (const fraction of COPIES) {
-        const then = start + fraction * (end - start);
-        if (Math.abs(then - t) > 0.04 * (end - start)) solids.push(...this.solids(theme, then, 0.8));
-      }
-    }
+    const copies = withCopies ? this.copies(theme, t) : [];
     const carrier = this.carrier === null ? null : solids[this.carrier].matrix;
     return {
-      eye, viewProjection, theme, solids, carrier,
+      eye, viewProjection, theme, solids, copies, carrier,
       ribbons: this.paints(theme, t), light: LIGHT, floor: this.floor, target: camera.target,
       spacing: this.spacing, reach: 4.5 * this.size, size: this.size,
     };

@@ -123,7 +123,10 @@ class WebglRenderer {
     if (!picture.carrier) this.drawRibbons(picture);
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.CULL_FACE);
-    this.drawSolids(picture);
+    // The robot stands before its copies wherever these are.
+    this.drawSolids(picture, picture.copies);
+    gl.clear(gl.DEPTH_BUFFER_BIT);
+    this.drawSolids(picture, picture.solids);
     gl.disable(gl.CULL_FACE);
     if (picture.carrier) this.drawRibbons(picture);
     context.drawImage(this.canvas, 0, 0);
@@ -149,8 +152,7 @@ class WebglRenderer {
       const offset = 0.16 * Math.sqrt((lamp + 0.5) / LAMPS);
       const from = Vec.add(light, [offset * Math.cos(angle), offset * Math.sin(angle), 0]);
       const shadow = Mat.shadow(from, floor);
-      for (const { mesh, matrix, fade } of solids) {
-        if (fade) continue;
+      for (const { mesh, matrix } of solids) {
         this.set({ model: Mat.multiply(shadow, matrix) });
         this.elements(this.shape(mesh));
       }
@@ -166,7 +168,7 @@ class WebglRenderer {
     }
   }
 
-  drawSolids({ viewProjection, theme, solids, light, eye, floor, size }) {
+  drawSolids({ viewProjection, theme, light, eye, floor, size }, solids) {
     const { background } = theme;
     this.use(this.solid, { viewProjection, eye, light, background, floorHeight: floor, size });
     for (const { mesh, matrix, base, mark, fade } of solids) {

@@ -23,7 +23,7 @@ fn rates<const D: usize>(
     f: &impl Fn(f64) -> SVector<f64, D>,
     t: f64,
 ) -> (SVector<f64, D>, SVector<f64, D>) {
-    let h = 1e-3;
+    let h = 1e-2;
     let (before, now, after) = (f(t - h), f(t), f(t + h));
     ((after - before) / (2.0 * h), (after - 2.0 * now + before) / (h * h))
 }

@@ -73,7 +73,7 @@ fn display(html: &mut String, block: &str) {
         }
     }
     rows.retain(|row| row.iter().any(|cell| !cell.is_empty()));
-    html.push_str("<div class=\"formula\"><math display=\"block\">");
+    html.push_str("<div class=\"formula\"><math displaystyle=\"true\">");
     if let [row] = rows.as_slice() {
         let _ = write!(html, "<mrow>{}</mrow>", row.concat());
     } else {
