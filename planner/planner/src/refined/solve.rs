@@ -1,7 +1,6 @@
 //! The sweeps: linear fit, then corrections for what Γ does beyond its linearisation.
 
 use super::ends::{Ends, REST, begin_at, catch_up, check_standing, desired_start, place_ends};
-use super::gram;
 use super::plan::{RefinedPlan, RefinedReport};
 use super::problem::{Linearised, Problem};
 use super::sweeps::sweeps;
@@ -248,11 +247,10 @@ where
     }
     workspace.basis.prepare(window.spans);
     place_ends(&problem, &ends, &map, workspace);
-    gram::assemble(&workspace.basis, &window.thinned(), &linear, &mut workspace.normal);
     let count = window.spans + super::basis::DEGREE;
     workspace
         .normal
-        .factor(ends.given, count - REST)
+        .prepare(&workspace.basis, &window, &linear, (ends.given, count - REST))
         .ok_or(Error::Singular { matrix: "fit of the spline" })?;
     let report = sweeps(&problem, refinement, count, workspace)?;
     Ok(Fitted { map, problem, report })
