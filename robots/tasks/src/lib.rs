@@ -36,7 +36,7 @@ mod task;
 
 pub use error::Error;
 pub use quantity::{Dimension, Quantities};
-pub use read::parse;
+pub use read::{MOST_SAMPLES, parse};
 pub use task::{
     Constraint, ConstraintLeg, Method, Motion, Objective, Said, Shares, Spare, Task, Waypoint,
 };

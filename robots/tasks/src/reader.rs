@@ -110,6 +110,24 @@ impl<'s> Value<'s> {
         }
     }
 
+    /// Seconds from zero up, of a time in which nothing has to happen.
+    pub(crate) fn pause(&self) -> Outcome<f64> {
+        match self.time()? {
+            seconds if seconds >= 0.0 => Ok(seconds),
+            seconds => Err(self.error(format!("a time cannot be negative, found {seconds} s"))),
+        }
+    }
+
+    /// Seconds above zero.
+    pub(crate) fn duration(&self) -> Outcome<f64> {
+        match self.time()? {
+            seconds if seconds > 0.0 => Ok(seconds),
+            seconds => {
+                Err(self.error(format!("a duration is longer than zero, found {seconds} s")))
+            }
+        }
+    }
+
     pub(crate) fn list(&self) -> Outcome<Vec<Value<'s>>> {
         let array: &'s DeArray<'s> =
             self.value.as_array().ok_or_else(|| self.expected("an array"))?;

@@ -2,8 +2,9 @@
 
 use super::failure;
 use crate::failure::{Failure, Outcome};
+use crate::output::number;
 use nalgebra::SVector;
-use shapebot_dynamics::Description;
+use shapebot_dynamics::{Coordinate, Description};
 use shapebot_planner::motion::{
     Bezier, DesiredMotion, Knot, Legs, Line, Rest, Waypoint, Waypoints,
 };
@@ -151,7 +152,11 @@ pub(super) fn constraint_lines<const NX: usize>(
     let mut lines = Vec::new();
     for leg in &constraint.legs {
         let to = match &leg.to {
-            Some(to) => entries(to, unit, set.name, &names)?,
+            Some(to) => {
+                let values: SVector<f64, NX> = entries(to, unit, set.name, &names)?;
+                check_ranges(coordinates, values.as_slice()).map_err(|e| e.at(&to.place))?;
+                values
+            }
             None => at,
         };
         let line = Line::new(at, to, leg.duration, DEGREE);
@@ -159,6 +164,22 @@ pub(super) fn constraint_lines<const NX: usize>(
         at = to;
     }
     Ok(lines)
+}
+
+/// Refuses values outside of the declared ranges.
+fn check_ranges(coordinates: &[Coordinate], values: &[f64]) -> Outcome {
+    for (coordinate, &value) in coordinates.iter().zip(values) {
+        let (lower, upper) = (coordinate.lower, coordinate.upper);
+        if !(lower..=upper).contains(&value) {
+            let (unit, [value, lower, upper]) =
+                number::shown(coordinate.unit, [value, lower, upper]);
+            return Err(Failure::usage(format!(
+                "{value} {unit} is outside of the range of `{}`, {lower} to {upper} {unit}",
+                coordinate.name
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The constrained shape sets with their trajectories.

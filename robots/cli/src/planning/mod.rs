@@ -3,20 +3,26 @@
 mod desired;
 mod files;
 mod held;
+mod joined;
+mod limits;
 mod motion;
 mod phase;
+mod refusal;
 mod shares;
 
 pub(crate) use motion::{Detail, Phase, PlannedMotion, Row};
 
 use crate::failure::{Failure, Outcome};
-use crate::output::number;
+use joined::Joined;
+use limits::with_duration;
 use nalgebra::SVector;
 use phase::{Planned, Request, plan_phase};
+use refusal::{Unplanned, failure};
 use shapebot_dynamics::{Robot, ShapeAccelerated};
-use shapebot_planner::{Error, Start, TwoPhases, generalised_force};
-use shapebot_tasks::{Motion, Task};
-use std::time::Duration;
+use shapebot_planner::motion::Stretched;
+use shapebot_planner::value::RobotId;
+use shapebot_planner::{Start, TwoPhases, actuator_force, generalised_force};
+use shapebot_tasks::{MOST_SAMPLES, Method, Motion, Objective, Said, Shares, Task};
 
 /// A robot of given sizes. One instance per pair of sizes serves all robots that have them.
 type Shaped<'r, const NX: usize, const NS: usize> = dyn ShapeAccelerated<f64, NX, NS> + 'r;
@@ -24,170 +30,161 @@ type Shaped<'r, const NX: usize, const NS: usize> = dyn ShapeAccelerated<f64, NX
 /// The planner's rows.
 type Samples<const NX: usize, const NS: usize> = Vec<shapebot_planner::Row<f64, NX, NS>>;
 
-/// Forces that a row takes.
+/// Forces that a row takes: of the actuators, and generalised ones.
 type Forces<'f, const N: usize, const NX: usize, const NS: usize> =
-    dyn Fn(&shapebot_planner::Row<f64, NX, NS>) -> SVector<f64, N> + 'f;
+    dyn Fn(&shapebot_planner::Row<f64, NX, NS>) -> [SVector<f64, N>; 2] + 'f;
 
-/// Plans a task with a robot.
+/// Plans a task with a robot; `id` is what the plan's files say about it.
 pub(crate) fn plan<R, const N: usize, const NX: usize, const NS: usize>(
     robot: &R,
     task: &Task,
+    id: &RobotId<'_>,
 ) -> Outcome<PlannedMotion>
 where
     R: Robot<f64, N, NX, NS>,
 {
-    plan_shaped::<N, NX, NS>(robot, &|row| generalised_force(robot, row), task)
+    let forces = |row: &_| [actuator_force(robot, row), generalised_force(robot, row)];
+    plan_shaped::<N, NX, NS>(robot, &forces, task, id)
 }
 
 fn plan_shaped<const N: usize, const NX: usize, const NS: usize>(
     robot: &Shaped<'_, NX, NS>,
-    force: &Forces<'_, N, NX, NS>,
+    forces: &Forces<'_, N, NX, NS>,
     task: &Task,
+    id: &RobotId<'_>,
 ) -> Outcome<PlannedMotion> {
+    check(task)?;
     let description = robot.shape_description();
+    let force_limits = limits::force_limits(&task.force_limits, description)?;
+    let survey = limits::survey(description, &force_limits, forces);
     let planned = match &task.motion.value {
         Motion::TwoPhases { goal, duration, shares } => {
             let goal = desired::point(goal, description)?;
-            let phases = TwoPhases::new(SVector::zeros(), goal, *duration).map_err(failure)?;
-            plan_phases(robot, task, &phases, shares)?
+            let request = Phases { goal, duration: *duration, shares, survey: &survey };
+            request.plan(robot, task)?
         }
         _ => desired::with_motion(task, description, |motion| {
             let request = Request {
                 motion,
-                samples: task.samples,
+                samples: task.samples.value,
                 shares: &task.shares,
-                standing: task.standing,
+                standing: task.standing.value,
                 start: None,
+                survey: &survey,
             };
-            plan_phase(robot, task, &request).map(|phase| vec![phase])
+            plan_single(robot, task, &request)
+                .map(|phase| vec![phase])
+                .map_err(|unplanned| unplanned.failure(task, &task.shares.place))
         })?,
     };
     let planned = Joined::of(planned);
-    let files = files::files(description, &planned.samples, force)?;
+    let files = files::files(description, id, &planned.samples, &|row| forces(row)[1])?;
     Ok(planned.motion(robot, task, files))
 }
 
-/// Plans both halves, the second from where the first ends.
-fn plan_phases<const NX: usize, const NS: usize>(
-    robot: &Shaped<'_, NX, NS>,
-    task: &Task,
-    phases: &TwoPhases<f64, NX>,
-    shares: &[shapebot_tasks::Shares; 2],
-) -> Outcome<Vec<Planned<NX, NS>>> {
-    let mut planned: Vec<Planned<NX, NS>> = Vec::new();
-    for (motion, shares) in phases.halves.iter().zip(shares) {
-        let last = planned.last().and_then(|phase| phase.samples.last());
-        let start = last.map(|last| Start {
-            position: last.position,
-            velocity: last.velocity,
-            shape: last.plan.shape,
-            shape_velocity: last.plan.shape_velocity,
-            shape_acceleration: Some(last.plan.shape_acceleration),
-        });
-        let samples = task.samples / 2 + 1;
-        let request = Request { motion, samples, shares, standing: [0.0; 2], start };
-        planned.push(plan_phase(robot, task, &request)?);
+/// Refuses what a method would silently leave out.
+fn check(task: &Task) -> Outcome {
+    let samples = task.samples.value;
+    if samples > MOST_SAMPLES {
+        let message = format!("{samples} samples are too many: at most {MOST_SAMPLES}");
+        return Err(Failure::usage(message).at(&task.samples.place));
     }
-    Ok(planned)
-}
-
-/// The phases of a plan, one after the other.
-struct Joined<const NX: usize, const NS: usize> {
-    samples: Samples<NX, NS>,
-    phases: Vec<Phase>,
-    elapsed: Duration,
-    duration: f64,
-    floor: Option<f64>,
-}
-
-impl<const NX: usize, const NS: usize> Joined<NX, NS> {
-    fn of(planned: Vec<Planned<NX, NS>>) -> Self {
-        let single = planned.len() == 1;
-        let mut joined = Self {
-            samples: Vec::new(),
-            phases: Vec::new(),
-            elapsed: Duration::ZERO,
-            duration: 0.0,
-            floor: None,
-        };
-        for mut phase in planned {
-            // Phases share the sample where they meet.
-            let shared = usize::from(!joined.samples.is_empty());
-            for row in &mut phase.samples {
-                row.plan.time += joined.duration;
-            }
-            joined.samples.extend(phase.samples.drain(shared..));
-            joined.elapsed += phase.elapsed;
-            joined.duration += phase.duration;
-            joined.floor = phase.floor.filter(|_| single);
-            joined.phases.push(phase.phase);
+    match task.method {
+        Method::Gain if task.standing.value != [0.0; 2] => {
+            let message = "standing before and after is for refined plans: a gain plan leans \
+                           exactly while its motion accelerates";
+            Err(Failure::usage(message).at(&task.standing.place))
         }
-        joined
+        Method::Refined if task.objective.value != Objective::Position => {
+            let message = "an objective is for gain plans: a refined plan always makes the squared \
+                           error of the output small";
+            Err(Failure::usage(message).at(&task.objective.place))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A plan of one phase; if it leaves its limits, with a duration that would do.
+fn plan_single<'a, const NX: usize, const NS: usize>(
+    robot: &'a Shaped<'a, NX, NS>,
+    task: &Task,
+    request: &Request<'a, NX, NS>,
+) -> Result<Planned<NX, NS>, Unplanned> {
+    let planned = plan_phase(robot, task, request);
+    // The refined planner looks for the duration itself.
+    if task.method == Method::Refined {
+        return planned;
+    }
+    planned.map_err(|refusal| {
+        with_duration(refusal, request.motion.duration(), |factor| {
+            let motion = Stretched::new(request.motion, factor)?;
+            plan_phase(robot, task, &Request { motion: &motion, ..*request }).map(|_| ())
+        })
+    })
+}
+
+/// A motion in two phases.
+#[derive(Clone, Copy)]
+struct Phases<'a, const NX: usize, const NS: usize> {
+    goal: SVector<f64, NX>,
+    /// Seconds.
+    duration: f64,
+    /// Of each half.
+    shares: &'a [Said<Shares>; 2],
+    survey: &'a limits::Survey<'a, NX, NS>,
+}
+
+impl<const NX: usize, const NS: usize> Phases<'_, NX, NS> {
+    /// Both halves; if they leave their limits, with a duration of the whole that would do.
+    fn plan(&self, robot: &Shaped<'_, NX, NS>, task: &Task) -> Outcome<Vec<Planned<NX, NS>>> {
+        self.attempt(robot, task).map_err(|(half, refusal)| {
+            let longer = |factor: f64| {
+                let longer = Self { duration: self.duration * factor, ..*self };
+                longer.attempt(robot, task).map(|_| ()).map_err(|(_, refusal)| refusal)
+            };
+            let refusal = with_duration(refusal, self.duration, longer);
+            refusal.failure(task, &self.shares[half].place)
+        })
     }
 
-    fn motion(
-        self,
+    /// Plans both halves, the second from where the first ends. A refusal says which half it is about.
+    fn attempt(
+        &self,
         robot: &Shaped<'_, NX, NS>,
         task: &Task,
-        files: motion::PlanFiles,
-    ) -> PlannedMotion {
-        let errors: Vec<(f64, f64)> = self
-            .samples
-            .iter()
-            .map(|row| (row.plan.time, row.output_error().dot(&row.output_error())))
-            .collect();
-        let slack = 1e-9 * self.duration;
-        let within = errors.iter().filter(|(t, _)| (-slack..=self.duration + slack).contains(t));
-        let peak = |index: usize| {
-            self.samples.iter().fold(0.0, |peak: f64, row| peak.max(row.plan.shape[index].abs()))
-        };
-        PlannedMotion {
-            description: *robot.shape_description(),
-            method: task.method,
-            output_rmse: root_mean(errors.iter().map(|(_, square)| *square)),
-            motion_rmse: root_mean(within.map(|(_, square)| *square)),
-            floor: self.floor,
-            output_max_error: errors.iter().fold(0.0_f64, |most, (_, e)| most.max(*e)).sqrt(),
-            output_end_error: errors.last().map_or(0.0, |(_, square)| square.sqrt()),
-            peak_shape: (0..NS).map(peak).collect(),
-            elapsed: self.elapsed,
-            rows: self.samples.iter().map(Row::of).collect(),
-            phases: self.phases,
-            files,
+    ) -> Result<Vec<Planned<NX, NS>>, (usize, Unplanned)> {
+        let phases = TwoPhases::new(SVector::zeros(), self.goal, self.duration)
+            .map_err(|error| (0, Unplanned::Planner(error)))?;
+        let [before, after] = task.standing.value;
+        let standing = [[before, 0.0], [0.0, after]];
+        let mut planned: Vec<Planned<NX, NS>> = Vec::new();
+        for (half, motion) in phases.halves.iter().enumerate() {
+            let request = Request {
+                motion,
+                samples: task.samples.value / 2 + 1,
+                shares: &self.shares[half],
+                standing: standing[half],
+                start: planned.last().and_then(end_of),
+                survey: self.survey,
+            };
+            let phase = plan_phase(robot, task, &request).map_err(|refusal| (half, refusal))?;
+            planned.push(phase);
         }
+        Ok(planned)
     }
 }
 
-fn root_mean(squares: impl Iterator<Item = f64>) -> f64 {
-    let (count, sum) = squares.fold((0.0, 0.0), |(count, sum), square| (count + 1.0, sum + square));
-    if count > 0.0 { f64::sqrt(sum / count) } else { 0.0 }
+/// The state in which a phase ends.
+fn end_of<const NX: usize, const NS: usize>(phase: &Planned<NX, NS>) -> Option<Start<f64, NX, NS>> {
+    let last = phase.samples.last()?;
+    Some(Start {
+        position: last.position,
+        velocity: last.velocity,
+        shape: last.plan.shape,
+        shape_velocity: last.plan.shape_velocity,
+        shape_acceleration: Some(last.plan.shape_acceleration),
+    })
 }
 
-/// A task that makes no sense is the user's mistake, a plan that does not work out is refused.
-fn failure(error: Error) -> Failure {
-    match error {
-        Error::Invalid { .. } | Error::InvalidEntry { .. } | Error::Length { .. } => {
-            Failure::usage(error)
-        }
-        Error::OutOfRange { coordinate, unit, time, value, lower, upper } => {
-            let range = outside(coordinate, unit, time, [value, lower, upper]);
-            Failure::refused(format!("{range}: give the motion more time"))
-        }
-        Error::LimitExceeded { coordinate, unit, time, value, lower, upper, duration } => {
-            let range = outside(coordinate, unit, time, [value, lower, upper]);
-            Failure::refused(match duration {
-                Some(seconds) => format!("{range}: {seconds:.2} s for the motion would do"),
-                None => range,
-            })
-        }
-        _ => Failure::refused(error),
-    }
-}
-
-fn outside(coordinate: &str, unit: &str, time: f64, numbers: [f64; 3]) -> String {
-    let (unit, [value, lower, upper]) = number::shown(unit, numbers);
-    format!(
-        "`{coordinate}` would be {value} {unit} at t = {time:.4} s, outside of its range {lower} to \
-         {upper} {unit}"
-    )
-}
+#[cfg(test)]
+mod tests;

@@ -18,14 +18,16 @@ pub(crate) struct PlannedMotion {
     pub(crate) output_rmse: f64,
     /// The same within the motion's own time, without standing.
     pub(crate) motion_rmse: f64,
-    /// Below which no plan's error over the same window can be.
-    pub(crate) floor: Option<f64>,
+    /// Below which no plan's error over the same window can be, or why that is not known.
+    pub(crate) floor: Result<f64, &'static str>,
     /// Largest error of the output.
     pub(crate) output_max_error: f64,
     /// Error of the output at the end.
     pub(crate) output_end_error: f64,
     /// Largest magnitude of each shape coordinate.
     pub(crate) peak_shape: Vec<f64>,
+    /// Largest magnitude of each actuator's force.
+    pub(crate) peak_force: Vec<f64>,
     /// Time that the planner took.
     pub(crate) elapsed: Duration,
     /// Samples.
