@@ -110,7 +110,7 @@ where
         let motion = self.robot.motion(&state.q, &state.qd);
         let drag = self.robot.dissipative_force(&state.q, &state.qd);
         let momentum: SVector<T, NX> = (motion.mass_matrix * state.qd).fixed_rows::<NX>(0).into();
-        let gamma = self.robot.gamma(&qs, &qsd, &target.shape[2]);
+        let gamma = self.plant.gamma(&motion, &target.shape[2]);
         let slope = gamma - self.plant.response * target.shape[2];
         let z = flat_rate(&self.plant.response, &qxd, &qsd);
         let mut memory = self.memory.unwrap_or_else(|| Memory::new(momentum, z, slope));

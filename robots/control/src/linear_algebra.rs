@@ -32,6 +32,30 @@ pub(crate) fn solve_definite<T: Ordered, const N: usize>(
     b
 }
 
+/// Solves A x = b for an A near the identity, by elimination without pivots: always the same work.
+pub(crate) fn solve_near_identity<T: Ordered, const N: usize>(
+    mut a: SMatrix<T, N, N>,
+    mut b: SVector<T, N>,
+) -> SVector<T, N> {
+    for column in 0..N {
+        let reciprocal = T::one() / a[(column, column)];
+        for k in column..N {
+            a[(column, k)] *= reciprocal;
+        }
+        b[column] *= reciprocal;
+        for row in (0..N).filter(|&row| row != column) {
+            let factor = a[(row, column)];
+            for k in column + 1..N {
+                let part = factor * a[(column, k)];
+                a[(row, k)] -= part;
+            }
+            let part = factor * b[column];
+            b[row] -= part;
+        }
+    }
+    b
+}
+
 /// The inverse of A by elimination with row pivoting; `None` if A is singular to working precision or
 /// not finite.
 pub(crate) fn inverse<T: Ordered, const N: usize>(
@@ -80,6 +104,13 @@ mod tests {
         let a = Matrix3::new(4.0, 1.0, -0.5, 1.0, 3.0, 0.25, -0.5, 0.25, 2.0);
         let x = Vector3::new(1.0, -2.0, 0.5);
         assert!((solve_definite(a, a * x) - x).abs().max() < 1e-15);
+    }
+
+    #[test]
+    fn near_the_identity_no_pivot_is_needed() {
+        let a = Matrix3::new(1.2, 0.1, -0.3, 0.2, 0.9, 0.25, -0.1, 0.3, 1.1);
+        let x = Vector3::new(1.0, -2.0, 0.5);
+        assert!((solve_near_identity(a, a * x) - x).abs().max() < 1e-15);
     }
 
     #[test]

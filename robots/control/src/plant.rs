@@ -1,9 +1,9 @@
 //! What the law needs of a robot, once: roles, gains at the origin, actuators.
 
 use crate::Error;
-use crate::linear_algebra::inverse;
+use crate::linear_algebra::{inverse, solve_near_identity};
 use nalgebra::{SMatrix, SVector};
-use shapebot_dynamics::{Ordered, Robot};
+use shapebot_dynamics::{Motion, Ordered, Robot};
 
 /// Constants of a robot.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,10 @@ pub(crate) struct Plant<T: Ordered, const N: usize, const NX: usize, const NS: u
     pub(crate) body_gain: SMatrix<T, NS, NX>,
     /// ∂Γ/∂q̈_s at the origin.
     pub(crate) response: SMatrix<T, NX, NS>,
+    /// Coordinates without an actuator: the rows of Γ.
+    free: [usize; NX],
+    /// Inverse of M_ux at the origin: with it in front, no elimination near the origin needs pivots.
+    coupling: SMatrix<T, NX, NX>,
     /// (∂h/∂q_x)⁻¹ ∂h/∂q_s at the origin.
     pub(crate) output_shape: SMatrix<T, NX, NS>,
     /// Actuator of each coordinate; N for none.
@@ -49,6 +53,13 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Plant<T, N, N
             (0, 0) => false,
             _ => return Err(Error::Roles),
         };
+        let mut free = [0; NX];
+        for (row, i) in free.iter_mut().zip((0..N).filter(|&i| !driven(i))) {
+            *row = i;
+        }
+        let mass = robot.mass_matrix(&SVector::from_element(zero));
+        let coupling = inverse(SMatrix::from_fn(|i, j| mass[(free[i], j)]))
+            .ok_or(Error::Singular { matrix: "coupling of the unactuated rows" })?;
         let shape_gain = robot.shape_gain();
         let lean_gain = SMatrix::from_fn(|i, j| {
             if servoed[j] > zero && balancing { zero } else { shape_gain[(i, j)] }
@@ -69,6 +80,8 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Plant<T, N, N
             lean_gain,
             body_gain: right_inverse(&lean_gain)?,
             response: robot.response(&rest, &rest, &rest).d_qsdd,
+            free,
+            coupling,
             output_shape: position * robot.output_jacobian_shape(&qx, &qs),
             actuator,
             ratio,
@@ -76,6 +89,19 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Plant<T, N, N
             lower: bound(|c| c.lower),
             upper: bound(|c| c.upper),
         })
+    }
+
+    /// Γ(q_s, q̇_s, q̈_s) from what is computed already: the unactuated rows of the equations of motion,
+    /// solved for q̈_x.
+    pub(crate) fn gamma(&self, motion: &Motion<T, N>, qsdd: &SVector<T, NS>) -> SVector<T, NX> {
+        let mass = &motion.mass_matrix;
+        let rows = SMatrix::<T, NX, NX>::from_fn(|i, j| mass[(self.free[i], j)]);
+        let rest = SVector::<T, NX>::from_fn(|i, _| {
+            let row = self.free[i];
+            let bias = motion.coriolis_vector[row] + motion.gravity[row];
+            (0..NS).fold(bias, |sum, j| sum + mass[(row, NX + j)] * qsdd[j])
+        });
+        solve_near_identity(self.coupling * rows, -(self.coupling * rest))
     }
 
     /// Forces per actuator.
