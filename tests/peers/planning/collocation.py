@@ -17,8 +17,6 @@ from models import SYSTEMS
 
 DISTANCE, DURATION = 2.0, 5.0
 POINTS = 101
-# Our plans: at the collocation's points, and at the paper's 501 samples.
-SAMPLES = (POINTS, 501)
 # Solves to take the median time of: as many as fit into so many seconds, from three.
 SOLVES, SECONDS = 15, 20.0
 # Steps of the re-integration, for everyone.
@@ -200,7 +198,8 @@ def main():
     arguments = parser.parse_args()
     print(f"{DISTANCE:g} m in {DURATION:g} s; collocation: CasADi {ca.__version__}, IPOPT, "
           f"{POINTS} points, regularisation {REGULARISATION:g}")
-    print("times: medians; ratio: to the refined plan at as many points")
+    print("times: medians, of the collocation processor time; ratio: to the refined plan at "
+          f"{POINTS} points")
     print("RMSE in metres: as the planner says, and re-integrated alike for everyone\n")
     print(f"{'system':<16}{'planner':<28}{'points':>7}{'time':>10}{'ratio':>9}{'iterations':>12}"
           f"{'own RMSE':>10}{'integrated':>12}")
