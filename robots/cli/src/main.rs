@@ -5,7 +5,6 @@ mod args;
 mod commands;
 mod failure;
 mod output;
-mod planning;
 mod plot;
 mod robot;
 

@@ -3,7 +3,7 @@
 use super::plan::task;
 use crate::failure::Outcome;
 use crate::output::{self, Align, Columns, number};
-use crate::planning::PlannedMotion;
+use shapebot_planning::PlannedMotion;
 use crate::plot;
 use crate::robot::{bundled, identity};
 use indicatif::{ProgressBar, ProgressStyle};

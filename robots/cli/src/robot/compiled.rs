@@ -3,7 +3,7 @@
 use super::{Dynamics, not_shape_accelerated};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::Outcome;
-use crate::planning::{self, PlannedMotion};
+use shapebot_planning::PlannedMotion;
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Description, LagrangianSystem, Robot, ShapeAccelerated};
 use shapebot_planner::value::RobotId;
@@ -51,7 +51,7 @@ where
     }
 
     fn plan(&self, task: &Task, id: &RobotId<'_>) -> Outcome<PlannedMotion> {
-        planning::plan(&self.0, task, id)
+        Ok(shapebot_planning::plan(&self.0, task, id)?)
     }
 }
 

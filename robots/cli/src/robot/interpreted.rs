@@ -3,7 +3,7 @@
 use super::{Dynamics, ModelText, derive, not_shape_accelerated};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::{Failure, Outcome};
-use crate::planning::{self, PlannedMotion};
+use shapebot_planning::PlannedMotion;
 use shapebot_codegen::derive::{Derivation, Parameters, Quantity};
 use shapebot_dynamics::Description;
 use shapebot_interpreter::{Error, Tapes, check_parameters, with_interpreted};
@@ -170,7 +170,7 @@ impl Dynamics for Interpreted {
             return Err(not_shape_accelerated(&self.name));
         }
         let tapes = self.tapes.clone();
-        with_interpreted!(tapes, |robot| planning::plan(&robot, task, id))
-            .map_err(Failure::refused)?
+        let planned = with_interpreted!(tapes, |robot| shapebot_planning::plan(&robot, task, id));
+        Ok(planned.map_err(Failure::refused)??)
     }
 }

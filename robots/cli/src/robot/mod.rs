@@ -10,7 +10,7 @@ pub(crate) use text::{ModelText, derive, prove, rederive};
 
 use crate::commands::eval::{Results, Selection, Sizes, State};
 use crate::failure::{Failure, Outcome};
-use crate::planning::PlannedMotion;
+use shapebot_planning::PlannedMotion;
 use shapebot_dynamics::Description;
 use shapebot_planner::value::RobotId;
 use shapebot_tasks::Task;
@@ -89,3 +89,6 @@ pub(crate) fn identity<'d>(description: &'d Description, set: &[(String, f64)]) 
         set.map(|(_, value)| *value)
     })
 }
+
+#[cfg(test)]
+mod tests;

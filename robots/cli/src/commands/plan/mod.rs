@@ -5,7 +5,7 @@ mod request;
 use crate::args::PlanArgs;
 use crate::failure::Outcome;
 use crate::output::{self, number};
-use crate::planning::{Detail, Phase, PlannedMotion};
+use shapebot_planning::{Detail, Phase, PlannedMotion};
 use crate::plot;
 use crate::robot::identity;
 use request::Request;

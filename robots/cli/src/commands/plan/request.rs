@@ -7,6 +7,7 @@ use shapebot_dynamics::Description;
 use shapebot_tasks::{
     Dimension, Method, Motion, Objective, Quantities, Said, Shares, TASKS, Task, parse,
 };
+use shapebot_tasks::simulation::{Paper, Simulation};
 use std::path::Path;
 
 const SAMPLES: usize = 501;
@@ -125,6 +126,9 @@ fn of_robot(args: &PlanArgs) -> Outcome<Request> {
         force_limits: Vec::new(),
         motion: said("", motion),
         constraints: Vec::new(),
+        simulation: Simulation::default(),
+        is_experiment: false,
+        paper: Paper::default(),
     };
     let name = description.name.to_owned();
     Ok(Request { name, robot, task })

@@ -1,16 +1,16 @@
 //! What a plan has to keep: limits of the shape and of the actuators.
 
-use super::desired::shape_set;
-use super::refusal::Unplanned;
-use super::{Forces, Samples};
-use crate::failure::{Failure, Outcome};
+use crate::desired::shape_set;
+use crate::error::{Outcome, Refusal};
+use crate::refusal::Unplanned;
+use crate::{Forces, Samples};
 use nalgebra::SVector;
 use shapebot_dynamics::{Actuator, Description};
 use shapebot_planner::{Error, Row, survey_within};
 use shapebot_tasks::{Quantities, Said};
 
 /// Bounds on the magnitude of the shape coordinates: those of sets without a limit at their range.
-pub(super) fn shape_limits<const NS: usize>(
+pub(crate) fn shape_limits<const NS: usize>(
     given: &[(Said<String>, Quantities)],
     robot: &Description,
 ) -> Outcome<Option<SVector<f64, NS>>> {
@@ -24,7 +24,7 @@ pub(super) fn shape_limits<const NS: usize>(
     });
     for (said, Quantities { values, dimension }) in given {
         let set = &robot.shape_sets[shape_set(said, robot)?];
-        let wrong = |message: String| Err(Failure::usage(message).at(&said.place));
+        let wrong = |message: String| Err(Refusal::task(message).at(&said.place));
         if values.len() != 1 && values.len() != set.len {
             return wrong(format!("expected one number or {}, found {}", set.len, values.len()));
         }
@@ -40,17 +40,17 @@ pub(super) fn shape_limits<const NS: usize>(
 }
 
 /// Largest magnitude of each actuator's force: that of the task, else the declared one.
-pub(super) fn force_limits(
+pub(crate) fn force_limits(
     given: &[(Said<String>, Quantities)],
     robot: &Description,
 ) -> Outcome<Vec<f64>> {
     let mut limits: Vec<f64> = robot.actuators.iter().map(|actuator| actuator.limit).collect();
     for (said, Quantities { values, dimension }) in given {
-        let wrong = |message: String| Err(Failure::usage(message).at(&said.place));
+        let wrong = |message: String| Err(Refusal::task(message).at(&said.place));
         let meant = actuators(&said.value, robot.actuators);
         if meant.is_empty() {
             let known = robot.actuators.iter().map(|actuator| actuator.name);
-            return Err(Failure::unknown("actuator", &said.value, known).at(&said.place));
+            return Err(Refusal::unknown("actuator", &said.value, known).at(&said.place));
         }
         if values.len() != 1 && values.len() != meant.len() {
             return wrong(format!(
@@ -86,11 +86,11 @@ fn actuators(name: &str, all: &[Actuator]) -> Vec<usize> {
 }
 
 /// Looks at the rows of a plan: the largest force of each actuator, or the limit that is exceeded.
-pub(super) type Survey<'s, const NX: usize, const NS: usize> =
+pub(crate) type Survey<'s, const NX: usize, const NS: usize> =
     dyn Fn(&mut dyn Iterator<Item = Row<f64, NX, NS>>) -> Result<Vec<f64>, Error> + 's;
 
 /// The survey of a robot with some limits.
-pub(super) fn survey<'s, const N: usize, const NX: usize, const NS: usize>(
+pub(crate) fn survey<'s, const N: usize, const NX: usize, const NS: usize>(
     robot: &'s Description,
     limits: &'s [f64],
     forces: &'s Forces<'s, N, NX, NS>,
@@ -102,7 +102,7 @@ pub(super) fn survey<'s, const N: usize, const NX: usize, const NS: usize>(
 }
 
 /// Refuses rows that leave limits of the shape, at the largest excess.
-pub(super) fn check_shape<const NX: usize, const NS: usize>(
+pub(crate) fn check_shape<const NX: usize, const NS: usize>(
     rows: &Samples<NX, NS>,
     limits: &SVector<f64, NS>,
     robot: &Description,
@@ -136,7 +136,7 @@ const ATTEMPTS: usize = 12;
 
 /// A refusal for a limit with a duration of the desired motion that would do: tried out, not guessed.
 /// `attempt` plans with a multiple of the duration.
-pub(super) fn with_duration(
+pub(crate) fn with_duration(
     refusal: Unplanned,
     duration: f64,
     mut attempt: impl FnMut(f64) -> Result<(), Unplanned>,

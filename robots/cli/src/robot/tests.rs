@@ -1,7 +1,7 @@
 //! Tasks at random, for every bundled robot: planned, or refused at the key that is to blame.
 
 use crate::failure::{Failure, Outcome};
-use crate::planning::PlannedMotion;
+use shapebot_planning::PlannedMotion;
 use crate::robot::{Dynamics, Source, bundled, identity};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};

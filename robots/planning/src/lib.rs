@@ -1,18 +1,35 @@
-//! From what the user asks for to the planner and back: sizes are run-time values on this side.
+//! Plans of task files: from a task and a robot to a [`PlannedMotion`] with its rows and files. Sizes
+//! are run-time values on this side.
+//!
+//! ```
+//! use shapebot_generated::ballbot_planar::{BallbotPlanar, DESCRIPTION};
+//! use shapebot_planner::value::RobotId;
+//!
+//! let text = shapebot_tasks::text("table2_ballbot_planar").expect("a bundled task");
+//! let task = shapebot_tasks::parse("table2.toml", text)?;
+//! let robot = BallbotPlanar::<f64>::from_model();
+//! let motion = shapebot_planning::plan(&robot, &task, &RobotId::with(&DESCRIPTION, |_| None))?;
+//! assert!(motion.output_rmse < 0.01); // metres
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![forbid(unsafe_code)]
 
 mod desired;
+mod error;
 mod files;
 mod held;
 mod joined;
 mod limits;
 mod motion;
+pub mod number;
 mod phase;
 mod refusal;
 mod shares;
 
-pub(crate) use motion::{Detail, Phase, PlannedMotion, Row};
+pub use error::{Refusal, suggestion};
+pub use motion::{Detail, GainDetail, Phase, PlanFiles, PlannedMotion, RefinedDetail, Row};
 
-use crate::failure::{Failure, Outcome};
+use error::Outcome;
 use joined::Joined;
 use limits::with_duration;
 use nalgebra::SVector;
@@ -35,11 +52,15 @@ type Forces<'f, const N: usize, const NX: usize, const NS: usize> =
     dyn Fn(&shapebot_planner::Row<f64, NX, NS>) -> [SVector<f64, N>; 2] + 'f;
 
 /// Plans a task with a robot; `id` is what the plan's files say about it.
-pub(crate) fn plan<R, const N: usize, const NX: usize, const NS: usize>(
+///
+/// # Errors
+///
+/// What is wrong with the task, or why its plan does not work out.
+pub fn plan<R, const N: usize, const NX: usize, const NS: usize>(
     robot: &R,
     task: &Task,
     id: &RobotId<'_>,
-) -> Outcome<PlannedMotion>
+) -> Result<PlannedMotion, Refusal>
 where
     R: Robot<f64, N, NX, NS>,
 {
@@ -87,18 +108,18 @@ fn check(task: &Task) -> Outcome {
     let samples = task.samples.value;
     if samples > MOST_SAMPLES {
         let message = format!("{samples} samples are too many: at most {MOST_SAMPLES}");
-        return Err(Failure::usage(message).at(&task.samples.place));
+        return Err(Refusal::task(message).at(&task.samples.place));
     }
     match task.method {
         Method::Gain if task.standing.value != [0.0; 2] => {
             let message = "standing before and after is for refined plans: a gain plan leans \
                            exactly while its motion accelerates";
-            Err(Failure::usage(message).at(&task.standing.place))
+            Err(Refusal::task(message).at(&task.standing.place))
         }
         Method::Refined if task.objective.value != Objective::Position => {
             let message = "an objective is for gain plans: a refined plan always makes the squared \
                            error of the output small";
-            Err(Failure::usage(message).at(&task.objective.place))
+            Err(Refusal::task(message).at(&task.objective.place))
         }
         _ => Ok(()),
     }
@@ -185,6 +206,3 @@ fn end_of<const NX: usize, const NS: usize>(phase: &Planned<NX, NS>) -> Option<S
         shape_acceleration: Some(last.plan.shape_acceleration),
     })
 }
-
-#[cfg(test)]
-mod tests;

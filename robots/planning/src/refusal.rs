@@ -1,17 +1,17 @@
 //! Why there is no plan, in the user's words and at the place of the task that is to blame.
 
-use crate::failure::Failure;
-use crate::output::number;
+use crate::error::Refusal;
+use crate::number;
 use shapebot_planner::Error;
 use shapebot_tasks::Task;
 
 /// Why there is no plan.
 #[derive(Debug)]
-pub(super) enum Unplanned {
+pub(crate) enum Unplanned {
     /// The planner says so.
     Planner(Error),
     /// This side of it does.
-    Said(Failure),
+    Said(Refusal),
 }
 
 impl From<Error> for Unplanned {
@@ -20,15 +20,15 @@ impl From<Error> for Unplanned {
     }
 }
 
-impl From<Failure> for Unplanned {
-    fn from(failure: Failure) -> Self {
+impl From<Refusal> for Unplanned {
+    fn from(failure: Refusal) -> Self {
         Self::Said(failure)
     }
 }
 
 impl Unplanned {
     /// The error of a plan that leaves a limit or a range, which a longer motion may mend.
-    pub(super) fn limit(&self) -> Option<Error> {
+    pub(crate) fn limit(&self) -> Option<Error> {
         match *self {
             Self::Planner(error @ Error::LimitExceeded { .. }) => Some(error),
             Self::Planner(Error::OutOfRange { coordinate, unit, time, value, lower, upper }) => {
@@ -40,7 +40,7 @@ impl Unplanned {
     }
 
     /// What the user is told. `shares` is where the shares of the phase are given.
-    pub(super) fn failure(self, task: &Task, shares: &str) -> Failure {
+    pub(crate) fn failure(self, task: &Task, shares: &str) -> Refusal {
         match self {
             Self::Planner(error) => {
                 // What was not said follows from the rest.
@@ -90,27 +90,27 @@ fn place<'t>(error: &Error, task: &'t Task, shares: &'t str) -> Option<&'t str> 
 }
 
 /// A task that makes no sense is the user's mistake, a plan that does not work out is refused.
-pub(super) fn failure(error: Error) -> Failure {
+pub(crate) fn failure(error: Error) -> Refusal {
     match error {
         Error::Invalid { .. }
         | Error::InvalidEntry { .. }
         | Error::Length { .. }
-        | Error::NoFreeShapeSet => Failure::usage(error),
+        | Error::NoFreeShapeSet => Refusal::task(error),
         Error::OutOfRange { coordinate, unit, time, value, lower, upper } => {
             let range = outside(coordinate, unit, time, [value, lower, upper]);
-            Failure::refused(format!("{range}: give the motion more time"))
+            Refusal::plan(format!("{range}: give the motion more time"))
         }
         Error::LimitExceeded { coordinate, unit, time, value, lower, upper, duration } => {
             let range = outside(coordinate, unit, time, [value, lower, upper]);
-            Failure::refused(match duration {
+            Refusal::plan(match duration {
                 Some(seconds) => format!("{range}: {seconds:.2} s for the motion would do"),
                 None => format!("{range}: no longer duration was found that would do"),
             })
         }
-        Error::NonFinite { .. } => Failure::refused(format!(
+        Error::NonFinite { .. } => Refusal::plan(format!(
             "{error}: the motion asks for more than the robot can do, give it more time"
         )),
-        _ => Failure::refused(error),
+        _ => Refusal::plan(error),
     }
 }
 

@@ -1,14 +1,14 @@
 //! Phases in a row as one motion.
 
-use super::motion::{Phase, PlanFiles, PlannedMotion, Row};
-use super::phase::Planned;
-use super::{Samples, Shaped};
+use crate::motion::{Phase, PlanFiles, PlannedMotion, Row};
+use crate::phase::Planned;
+use crate::{Samples, Shaped};
 use shapebot_tasks::Task;
 use std::time::Duration;
 
 /// The phases of a plan, one after the other.
-pub(super) struct Joined<const NX: usize, const NS: usize> {
-    pub(super) samples: Samples<NX, NS>,
+pub(crate) struct Joined<const NX: usize, const NS: usize> {
+    pub(crate) samples: Samples<NX, NS>,
     phases: Vec<Phase>,
     elapsed: Duration,
     duration: f64,
@@ -17,7 +17,7 @@ pub(super) struct Joined<const NX: usize, const NS: usize> {
 }
 
 impl<const NX: usize, const NS: usize> Joined<NX, NS> {
-    pub(super) fn of(planned: Vec<Planned<NX, NS>>) -> Self {
+    pub(crate) fn of(planned: Vec<Planned<NX, NS>>) -> Self {
         let floor = floor(&planned);
         let mut joined = Self {
             samples: Vec::new(),
@@ -49,7 +49,7 @@ impl<const NX: usize, const NS: usize> Joined<NX, NS> {
         }
     }
 
-    pub(super) fn motion(
+    pub(crate) fn motion(
         self,
         robot: &Shaped<'_, NX, NS>,
         task: &Task,

@@ -1,13 +1,13 @@
 //! One phase of a plan: a motion with its shares, by either method.
 
-use super::desired::{constraint_lines, set_motions};
-use super::held::Held;
-use super::limits::{Survey, check_shape, shape_limits};
-use super::motion::{Detail, GainDetail, Phase, RefinedDetail};
-use super::refusal::{Unplanned, failure};
-use super::shares::{contributions, default_contributions};
-use super::{Samples, Shaped};
-use crate::failure::{Failure, Outcome};
+use crate::desired::{constraint_lines, set_motions};
+use crate::error::{Outcome, Refusal};
+use crate::held::Held;
+use crate::limits::{Survey, check_shape, shape_limits};
+use crate::motion::{Detail, GainDetail, Phase, RefinedDetail};
+use crate::refusal::{Unplanned, failure};
+use crate::shares::{contributions, default_contributions};
+use crate::{Samples, Shaped};
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::Description;
 use shapebot_planner::motion::{DesiredMotion, Legs};
@@ -31,34 +31,34 @@ type Problem<'p, const NX: usize, const NS: usize> =
     shapebot_planner::Task<'p, Motion<'p, NX>, f64, NS, Held<'p, NX, NS>>;
 
 /// What a phase is asked to do.
-pub(super) struct Request<'a, const NX: usize, const NS: usize> {
-    pub(super) motion: &'a Motion<'a, NX>,
-    pub(super) samples: usize,
-    pub(super) shares: &'a Said<Shares>,
-    pub(super) standing: [f64; 2],
+pub(crate) struct Request<'a, const NX: usize, const NS: usize> {
+    pub(crate) motion: &'a Motion<'a, NX>,
+    pub(crate) samples: usize,
+    pub(crate) shares: &'a Said<Shares>,
+    pub(crate) standing: [f64; 2],
     /// Where the phase before ended.
-    pub(super) start: Option<Start<f64, NX, NS>>,
+    pub(crate) start: Option<Start<f64, NX, NS>>,
     /// Looks at the forces.
-    pub(super) survey: &'a Survey<'a, NX, NS>,
+    pub(crate) survey: &'a Survey<'a, NX, NS>,
 }
 
 /// A phase that is planned.
-pub(super) struct Planned<const NX: usize, const NS: usize> {
+pub(crate) struct Planned<const NX: usize, const NS: usize> {
     /// With times since the phase's start.
-    pub(super) samples: Samples<NX, NS>,
-    pub(super) phase: Phase,
-    pub(super) floor: Result<f64, &'static str>,
+    pub(crate) samples: Samples<NX, NS>,
+    pub(crate) phase: Phase,
+    pub(crate) floor: Result<f64, &'static str>,
     /// Of each actuator.
-    pub(super) peak_force: Vec<f64>,
+    pub(crate) peak_force: Vec<f64>,
     /// What the floor is over: the motion and standing, seconds.
-    pub(super) window: f64,
-    pub(super) elapsed: Duration,
+    pub(crate) window: f64,
+    pub(crate) elapsed: Duration,
     /// Of the desired motion, seconds.
-    pub(super) duration: f64,
+    pub(crate) duration: f64,
 }
 
 /// Plans a phase by the task's method.
-pub(super) fn plan_phase<'a, const NX: usize, const NS: usize>(
+pub(crate) fn plan_phase<'a, const NX: usize, const NS: usize>(
     robot: &'a Shaped<'a, NX, NS>,
     task: &Task,
     request: &Request<'a, NX, NS>,
@@ -115,7 +115,7 @@ fn gain_plan<const NX: usize, const NS: usize>(
     request: &Request<'_, NX, NS>,
 ) -> Result<Planned<NX, NS>, Unplanned> {
     if matches!(request.shares.value, Shares::Automatic(_)) {
-        let failure = Failure::usage("automatic shares are those of a refined plan");
+        let failure = Refusal::task("automatic shares are those of a refined plan");
         return Err(failure.at(&request.shares.place).into());
     }
     let problem = problem.weighting(weighting(shares.as_deref()));

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 /// A length in tenths of millimetres, in two digits where it is short.
-pub(crate) fn metres(value: f64) -> String {
+#[must_use]
+pub fn metres(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
         short if short < 1e-4 => format!("{value:.1e}"),
@@ -13,13 +14,15 @@ pub(crate) fn metres(value: f64) -> String {
 }
 
 /// A share of the whole, without zeros at its end.
-pub(crate) fn share(value: f64) -> String {
+#[must_use]
+pub fn share(value: f64) -> String {
     let text = format!("{value:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// About `digits` significant digits.
-pub(crate) fn significant(value: f64, digits: usize) -> String {
+#[must_use]
+pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
@@ -32,7 +35,8 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
 }
 
 /// Values for people: angles in degrees, four digits.
-pub(crate) fn shown<const N: usize>(unit: &str, values: [f64; N]) -> (&str, [String; N]) {
+#[must_use]
+pub fn shown<const N: usize>(unit: &str, values: [f64; N]) -> (&str, [String; N]) {
     let text = |value: f64| {
         let text = significant(value, 4);
         let fraction = text.contains('.') && !text.contains('e');
@@ -45,7 +49,8 @@ pub(crate) fn shown<const N: usize>(unit: &str, values: [f64; N]) -> (&str, [Str
 }
 
 /// A duration in the unit that suits it.
-pub(crate) fn duration(value: Duration) -> String {
+#[must_use]
+pub fn duration(value: Duration) -> String {
     let seconds = value.as_secs_f64();
     match seconds {
         s if s >= 1.0 => format!("{s:.3} s"),

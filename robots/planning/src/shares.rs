@@ -1,12 +1,12 @@
 //! How the shape sets share the work, at the robot's sizes.
 
-use super::desired::shape_set;
-use crate::failure::{Failure, Outcome};
+use crate::desired::shape_set;
+use crate::error::{Outcome, Refusal};
 use shapebot_dynamics::{Description, ShapeSet};
 use shapebot_tasks::Said;
 
 /// Contributions in the order of the robot's shape sets.
-pub(super) fn contributions(
+pub(crate) fn contributions(
     given: &[(Said<String>, f64)],
     robot: &Description,
 ) -> Outcome<Vec<f64>> {
@@ -15,7 +15,7 @@ pub(super) fn contributions(
         let index = shape_set(set, robot)?;
         if contributions[index].replace(*value).is_some() {
             let message = format!("the weight of `{}` is given twice", set.value);
-            return Err(Failure::usage(message).at(&set.place));
+            return Err(Refusal::task(message).at(&set.place));
         }
     }
     Ok(contributions.into_iter().map(Option::unwrap_or_default).collect())
@@ -23,7 +23,7 @@ pub(super) fn contributions(
 
 /// Everything from the one free set without an actuator if there is exactly one among several, else the
 /// smallest shape. `held` are the constrained sets.
-pub(super) fn default_contributions(sets: &[ShapeSet], held: &[usize]) -> Option<Vec<f64>> {
+pub(crate) fn default_contributions(sets: &[ShapeSet], held: &[usize]) -> Option<Vec<f64>> {
     let mut unactuated = (0..sets.len()).filter(|&index| !sets[index].actuated);
     let lone = match (unactuated.next(), unactuated.next()) {
         (Some(lone), None) if sets.len() > 1 && !held.contains(&lone) => lone,
