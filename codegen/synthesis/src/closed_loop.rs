@@ -18,6 +18,8 @@ pub(crate) struct Law<'a> {
     body_gain: Matrix,
     /// Inverse of M with servoed coordinates held.
     free_inverse: Matrix,
+    /// ∂q̈_x/∂q̇ through the dissipation on the unactuated rows.
+    braking: Matrix,
 }
 
 /// What the law keeps from step to step.
@@ -31,6 +33,8 @@ struct Memory {
     slope: Vec<f64>,
     offset: Vec<f64>,
     force: Vec<f64>,
+    /// Dissipation at the last step.
+    drag: Vec<f64>,
 }
 
 impl<'a> Law<'a> {
@@ -54,7 +58,12 @@ impl<'a> Law<'a> {
             model.mass[(i, j)] * free + if i == j { servoed[i] } else { 0.0 }
         });
         let free_inverse = held.inverse()?;
-        Some(Self { model, gains, servoed, lean_gain, body_gain, free_inverse })
+        let (rows, positions): (Vec<usize>, Vec<usize>) =
+            ((0..n).filter(|&i| !actuated[i]).collect(), (0..n_x).collect());
+        let all: Vec<usize> = (0..n).collect();
+        let coupling = model.mass.pick(&rows, &positions);
+        let braking = coupling.solve(&model.damping.pick(&rows, &all).scaled(-1.0))?;
+        Some(Self { model, gains, servoed, lean_gain, body_gain, free_inverse, braking })
     }
 
     /// Generalised forces for a measured state, deviations from a target at rest.
@@ -87,7 +96,7 @@ impl<'a> Law<'a> {
                 *integral += period * e;
             }
         }
-        self.servo(memory, *servo, q, qsd, &error, &mut force);
+        self.servo(memory, *servo, (q, qd), &error, &mut force);
         memory.force.clone_from(&force);
         force
     }
@@ -97,8 +106,7 @@ impl<'a> Law<'a> {
         &self,
         memory: &mut Memory,
         [rate, damping, integral]: [f64; 3],
-        q: &[f64],
-        qsd: &[f64],
+        (q, qd): (&[f64], &[f64]),
         error: &[f64],
         force: &mut [f64],
     ) {
@@ -109,12 +117,12 @@ impl<'a> Law<'a> {
         let mut given = vec![0.0; n];
         let servoed = (n_x..n).filter(|&i| self.servoed[i] > 0.0);
         for (i, integrated) in servoed.zip(&mut memory.servo_integral) {
-            let (error, speed) = (error[i - n_x], qsd[i - n_x]);
+            let (error, speed) = (error[i - n_x], qd[i]);
             given[i] =
                 -(rate * rate * error + 2.0 * damping * rate * speed) - integral * *integrated;
             *integrated += self.gains.period * error;
         }
-        let bias = self.model.stiffness.apply(q);
+        let bias = sum(&self.model.stiffness.apply(q), &self.model.damping.apply(qd));
         let coupled = self.model.mass.apply(&given);
         let rest: Vec<f64> = (0..n)
             .map(|i| {
@@ -131,10 +139,11 @@ impl<'a> Law<'a> {
     fn observe(&self, memory: &mut Memory, qs: &[f64], qxd: &[f64], qsd: &[f64], qd: &[f64]) {
         let Gains { period, observer_rate, offset_rate, .. } = *self.gains;
         let momentum = self.model.mass.apply(qd);
-        let slope = self.model.shape_gain.apply(qs);
+        let slope = sum(&self.model.shape_gain.apply(qs), &self.braking.apply(qd));
         let along = self.model.response.apply(qsd);
         for i in 0..qxd.len() {
-            memory.momentum[i] += period * (memory.force[i] + memory.disturbance[i]);
+            let known = memory.force[i] + memory.drag[i];
+            memory.momentum[i] += period * (known + memory.disturbance[i]);
             memory.disturbance[i] = observer_rate * (momentum[i] - memory.momentum[i]);
             let mean = 0.5 * (memory.slope[i] + slope[i]);
             memory.estimate[i] += period * (mean + memory.offset[i]);
@@ -143,6 +152,8 @@ impl<'a> Law<'a> {
             memory.offset[i] += offset_rate * offset_rate * period * innovation;
         }
         memory.slope = slope;
+        memory.drag = self.model.damping.scaled(-1.0).apply(qd);
+        memory.drag.truncate(qxd.len());
     }
 
     /// A_cl of the loop around a plant, whose forces come `delay` periods after the measurement.
@@ -240,6 +251,7 @@ impl<'a> Law<'a> {
             slope: vec![0.0; n_x],
             offset: vec![0.0; n_x],
             force: vec![0.0; n],
+            drag: vec![0.0; n_x],
         };
         let lengths: Vec<usize> = memory.parts(self).iter().map(|part| part.len()).collect();
         for (part, length) in memory.parts_mut(self).into_iter().zip(lengths) {
@@ -259,6 +271,7 @@ impl Memory {
             &self.momentum,
             &self.disturbance,
             &self.force,
+            &self.drag,
             &self.estimate,
             &self.slope,
             &self.offset,
@@ -274,6 +287,7 @@ impl Memory {
             &mut self.momentum,
             &mut self.disturbance,
             &mut self.force,
+            &mut self.drag,
             &mut self.estimate,
             &mut self.slope,
             &mut self.offset,
@@ -282,12 +296,12 @@ impl Memory {
     }
 }
 
-fn uses(law: &Law<'_>) -> [bool; 8] {
+fn uses(law: &Law<'_>) -> [bool; 9] {
     let gains = law.gains;
     let lean = gains.lean.iter().any(|g| g[2] != 0.0);
     let servo = gains.servo[2] != 0.0 && law.servoed.contains(&1.0);
     let [observer, offset] = [gains.observer_rate > 0.0, gains.offset_rate > 0.0];
-    [lean, servo, observer, observer, observer, offset, offset, offset]
+    [lean, servo, observer, observer, observer, observer, offset, offset, offset]
 }
 
 fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {

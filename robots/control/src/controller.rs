@@ -23,7 +23,7 @@ use shapebot_dynamics::{Ordered, Robot};
 /// assert!(command.actuator[0] > 2.0); // N·m: the ball is driven under the body
 /// # Ok::<(), shapebot_control::Error>(())
 /// ```
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Controller<'r, R, T: Ordered, const N: usize, const NX: usize, const NS: usize> {
     robot: &'r R,
     pub(crate) gains: Gains<T, NX, NS>,
@@ -35,6 +35,20 @@ pub struct Controller<'r, R, T: Ordered, const N: usize, const NX: usize, const 
     /// Largest magnitude of the offset b̂.
     offset_limit: SVector<T, NX>,
     memory: Option<Memory<T, N, NX, NS>>,
+}
+
+// Derived, these would ask for a robot that is Copy; only a reference to it is copied.
+impl<R, T: Ordered, const N: usize, const NX: usize, const NS: usize> Clone
+    for Controller<'_, R, T, N, NX, NS>
+{
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<R, T: Ordered, const N: usize, const NX: usize, const NS: usize> Copy
+    for Controller<'_, R, T, N, NX, NS>
+{
 }
 
 /// What is kept from step to step.
@@ -108,17 +122,18 @@ where
             rate: qsd - target.shape[1],
         };
         let motion = self.robot.motion(&state.q, &state.qd);
-        let drag = self.robot.dissipative_force(&state.q, &state.qd);
         let momentum: SVector<T, NX> = (motion.mass_matrix * state.qd).fixed_rows::<NX>(0).into();
-        let gamma = self.plant.gamma(&motion, &target.shape[2]);
+        let drag = self.robot.dissipative_force(&state.q, &state.qd);
+        let dynamics = (motion, drag);
+        let gamma = self.plant.gamma(&dynamics, &target.shape[2]);
         let slope = gamma - self.plant.response * target.shape[2];
         let z = flat_rate(&self.plant.response, &qxd, &qsd);
         let mut memory = self.memory.unwrap_or_else(|| Memory::new(momentum, z, slope));
         self.observe(&mut memory, &momentum, &z, &slope);
         let outer = self.outer(&memory, &deviation, target);
         let error = self.errors(&deviation, &outer);
-        let balance = self.balance(&memory, &deviation, &outer, &error, &motion, target);
-        let wanted = self.servo(&memory, &deviation, &error, &(motion, drag), target, &balance);
+        let balance = self.balance(&memory, &deviation, &outer, &error, &dynamics.0, target);
+        let wanted = self.servo(&memory, &deviation, &error, &dynamics, target, &balance);
         let force = self.limited(&wanted, &memory.force);
         self.integrate(&mut memory, &error, &wanted, &force);
         memory.force = force;

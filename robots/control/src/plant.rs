@@ -91,14 +91,18 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Plant<T, N, N
         })
     }
 
-    /// Γ(q_s, q̇_s, q̈_s) from what is computed already: the unactuated rows of the equations of motion,
-    /// solved for q̈_x.
-    pub(crate) fn gamma(&self, motion: &Motion<T, N>, qsdd: &SVector<T, NS>) -> SVector<T, NX> {
+    /// Γ(q_s, q̇_s, q̈_s) from what is computed already, with the declared dissipation: the unactuated
+    /// rows of the equations of motion, solved for q̈_x.
+    pub(crate) fn gamma(
+        &self,
+        (motion, drag): &(Motion<T, N>, SVector<T, N>),
+        qsdd: &SVector<T, NS>,
+    ) -> SVector<T, NX> {
         let mass = &motion.mass_matrix;
         let rows = SMatrix::<T, NX, NX>::from_fn(|i, j| mass[(self.free[i], j)]);
         let rest = SVector::<T, NX>::from_fn(|i, _| {
             let row = self.free[i];
-            let bias = motion.coriolis_vector[row] + motion.gravity[row];
+            let bias = motion.coriolis_vector[row] + motion.gravity[row] - drag[row];
             (0..NS).fold(bias, |sum, j| sum + mass[(row, NX + j)] * qsdd[j])
         });
         solve_near_identity(self.coupling * rows, -(self.coupling * rest))

@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod certificate;
+mod control;
 mod data;
 mod error;
 mod latex;

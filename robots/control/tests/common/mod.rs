@@ -1,24 +1,25 @@
-//! A minimal loop: forward dynamics by Runge-Kutta steps, forces held over a period.
+//! A minimal loop: forward dynamics with the declared dissipation by Runge-Kutta steps, forces held over a period.
 #![allow(dead_code, reason = "not every test needs all of it")]
 
 use nalgebra::SVector;
 use shapebot_control::{Controller, Gains, State, Target};
 use shapebot_dynamics::Robot;
+use shapebot_dynamics::control::ControlDesign;
 use shapebot_planner::motion::Line;
 use shapebot_planner::{Refinement, Task, Weighting, Workspace, refine};
 
 /// Control period, s.
-pub const PERIOD: f64 = 0.002;
+pub(crate) const PERIOD: f64 = 0.002;
 
 /// What differs from the nominal case.
 #[derive(Clone, Copy, Debug)]
-pub struct World<const N: usize> {
+pub(crate) struct World<const N: usize> {
     /// Viscous and Coulomb friction on the position variables.
-    pub drive: [f64; 2],
+    pub(crate) drive: [f64; 2],
     /// Offset of the measured coordinates.
-    pub bias: SVector<f64, N>,
+    pub(crate) bias: SVector<f64, N>,
     /// Periods between measurement and force.
-    pub delay: usize,
+    pub(crate) delay: usize,
 }
 
 impl<const N: usize> Default for World<N> {
@@ -29,32 +30,35 @@ impl<const N: usize> Default for World<N> {
 
 /// How a run went.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Run<const NX: usize> {
+pub(crate) struct Run<const NX: usize> {
     /// Root of the mean squared output error against the plan.
-    pub rmse: f64,
+    pub(crate) rmse: f64,
     /// Output error at the end.
-    pub end: f64,
+    pub(crate) end: f64,
+    /// Largest output error over the last fifth.
+    pub(crate) tail: f64,
     /// Largest output error.
-    pub largest: f64,
+    pub(crate) largest: f64,
     /// Largest compensation, any shape coordinate.
-    pub compensation: f64,
+    pub(crate) compensation: f64,
     /// Largest force of any actuator.
-    pub force: f64,
+    pub(crate) force: f64,
     /// Largest difference of any shape coordinate from the plan.
-    pub lean: f64,
+    pub(crate) lean: f64,
 }
 
-pub type Plan<const N: usize, const NX: usize, const NS: usize> = Vec<Target<f64, N, NX, NS>>;
+pub(crate) type Plan<const N: usize, const NX: usize, const NS: usize> =
+    Vec<Target<f64, N, NX, NS>>;
 
 /// Standing at the origin.
-pub fn standing<const N: usize, const NX: usize, const NS: usize>(
+pub(crate) fn standing<const N: usize, const NX: usize, const NS: usize>(
     duration: f64,
 ) -> Plan<N, NX, NS> {
     vec![Target::stand(SVector::zeros()); (duration / PERIOD) as usize]
 }
 
 /// A refined plan along the first axis, and standing at its end.
-pub fn travel<R, const N: usize, const NX: usize, const NS: usize>(
+pub(crate) fn travel<R, const N: usize, const NX: usize, const NS: usize>(
     robot: &R,
     distance: f64,
     duration: f64,
@@ -105,7 +109,8 @@ where
             let smooth = (qd[i] / 0.02).tanh();
             if i < NX { -drive[0] * qd[i] - drive[1] * smooth } else { 0.0 }
         });
-        robot.forward_dynamics(q, qd, &(force + friction))
+        let drag = robot.dissipative_force(q, qd);
+        robot.forward_dynamics(q, qd, &(force + friction + drag))
     };
     let (q, v) = (state.q, state.qd);
     let a1 = slope(&q, &v);
@@ -122,7 +127,7 @@ where
 }
 
 /// Runs a plan on `plant` with a controller that knows `robot`.
-pub fn run<R, P, const N: usize, const NX: usize, const NS: usize>(
+pub(crate) fn run<R, P, const N: usize, const NX: usize, const NS: usize>(
     robot: &R,
     plant: &P,
     gains: &Gains<f64, NX, NS>,
@@ -138,7 +143,7 @@ where
     let mut state = start;
     let mut pending = std::collections::VecDeque::from(vec![SVector::zeros(); world.delay]);
     let mut out = Run::default();
-    for target in plan {
+    for (step, target) in plan.iter().enumerate() {
         let (qx, qs) = P::split(&state.q);
         let wanted = plant.output(&target.position[0], &target.shape[0]);
         let error = plant.output(&qx, &qs) - wanted;
@@ -146,6 +151,9 @@ where
         out.rmse += error * error / plan.len() as f64;
         out.end = error;
         out.largest = out.largest.max(error);
+        if 5 * step >= 4 * plan.len() {
+            out.tail = out.tail.max(error);
+        }
         out.lean = out.lean.max((qs - target.shape[0]).abs().max());
         let measured = State { q: state.q + world.bias, qd: state.qd };
         let command = controller.step(&measured, target);
@@ -160,4 +168,56 @@ where
     }
     out.rmse = out.rmse.sqrt();
     out
+}
+
+/// Something that must hold for every bundled robot.
+pub(crate) trait Check {
+    /// `with` makes the same robot with one parameter set.
+    fn check<R, const N: usize, const NX: usize, const NS: usize>(
+        name: &str,
+        robot: &R,
+        design: &ControlDesign,
+        with: &dyn Fn(&str, f64) -> R,
+    ) where
+        R: Robot<f64, N, NX, NS>;
+}
+
+/// Checks every bundled robot.
+pub(crate) fn every<C: Check>() {
+    macro_rules! visit {
+        ($({ $name:literal, $module:ident, $robot:ident, $baked:ident, $n:literal, $nx:literal, $ns:literal })*) => {
+            $({
+                use shapebot_generated::$module::{$robot, CONTROL, Params};
+                let with = |name: &str, value: f64| {
+                    let mut params = Params::<f64>::model();
+                    assert!(params.set(name, value), "{name}");
+                    $robot::try_new(params).expect("parameters in range")
+                };
+                C::check::<_, $n, $nx, $ns>($name, &$robot::<f64>::from_model(), &CONTROL, &with);
+            })*
+        };
+    }
+    shapebot_generated::for_each_robot!(visit);
+}
+
+/// Whether the position variables balance the rest.
+pub(crate) fn balances<R, const N: usize, const NX: usize, const NS: usize>(robot: &R) -> bool
+where
+    R: Robot<f64, N, NX, NS>,
+{
+    robot.description().position_coordinates().iter().all(|c| c.actuated)
+}
+
+/// Two metres, or half of the way to the end of the first coordinate's range.
+pub(crate) fn reach<R, const N: usize, const NX: usize, const NS: usize>(robot: &R) -> f64
+where
+    R: Robot<f64, N, NX, NS>,
+{
+    let upper = robot.description().coordinates[0].upper;
+    (0.5 * upper * robot.output_jacobian_position()[(0, 0)]).min(2.0)
+}
+
+/// At rest at the origin.
+pub(crate) fn rest<const N: usize>() -> State<f64, N> {
+    State { q: SVector::zeros(), qd: SVector::zeros() }
 }

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -13,8 +14,12 @@ const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "goog
 /// Patience with a busy machine.
 const PATIENCE: Duration = Duration::from_secs(240);
 
+/// One browser at a time: several starve each other.
+static TURN: Mutex<()> = Mutex::new(());
+
 /// A browser, with a folder of its own.
 pub(crate) struct Browser {
+    _turn: MutexGuard<'static, ()>,
     program: PathBuf,
     folder: TempDir,
 }
@@ -33,7 +38,9 @@ impl Browser {
             skip("chromium", "the page is opened in Chromium, which is not here");
             return None;
         };
-        Some(Self { program, folder: TempDir::new().expect("a folder") })
+        // A test that failed has ended its browser.
+        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+        Some(Self { _turn: turn, program, folder: TempDir::new().expect("a folder") })
     }
 
     /// Opens a page and waits until its script logs `words`; returns what follows them up to `;END`.

@@ -22,7 +22,7 @@ function press(canvas, key) {
 
 /** Until something holds, as the browser may be slow. */
 async function until(holds) {
-  for (let i = 0; i < 100 && !holds(); i++) await pause(50);
+  for (let i = 0; i < 600 && !holds(); i++) await pause(50);
 }
 
 async function probe(article) {
@@ -56,7 +56,8 @@ async function probe(article) {
   drawing.dispatchEvent(new PointerEvent("pointerdown", { ...at, button: 0, pointerId: 1, bubbles: true }));
   found.clicked = time();
 
-  canvas.focus();
+  // Scrolling would go on smoothly while the next run is tried.
+  canvas.focus({ preventScroll: true });
   const unturned = look(canvas).sum;
   press(canvas, "ArrowLeft");
   found.keyTurned = look(canvas).sum !== unturned;
