@@ -82,6 +82,7 @@ fn assert_alive(found: &Value) {
         assert_eq!(run["pictureMoved"], true, "{title}: the picture stands still");
         assert_eq!(run["cursorMoved"], true, "{title}: the cursor stands still");
         assert_eq!(number(run, "afterPause"), number(run, "played"), "{title}: it runs on");
+        assert!(number(run, "red") > 20.0, "{title}: no ball is seen: {run}");
         assert!(number(run, "colors") > 100.0, "{title}: the picture is blank: {run}");
         assert!(
             (number(run, "clicked") - 1.0).abs() < 0.02,
