@@ -29,6 +29,11 @@ pub enum Error {
         /// Its index.
         index: usize,
     },
+    /// No frame turns with the unactuated shape variables and nothing else: there is no place for the
+    /// inertial unit.
+    NoFrame,
+    /// The description has no point of this index.
+    NoPoint,
     /// A matrix that must be inverted is singular at the origin.
     Singular {
         /// Which.
@@ -53,6 +58,10 @@ impl fmt::Display for Error {
             Self::Actuator { index } => {
                 write!(f, "actuator {index} does not work on exactly one coordinate of its own")
             }
+            Self::NoFrame => f.write_str(
+                "no frame turns with all unactuated shape variables and with nothing else",
+            ),
+            Self::NoPoint => f.write_str("the robot has no point of this index"),
             Self::Singular { matrix } => write!(f, "the {matrix} is singular at the origin"),
         }
     }

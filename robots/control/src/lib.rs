@@ -7,6 +7,8 @@
 //! torque. Gains come from a [`ControlDesign`](shapebot_dynamics::control::ControlDesign), which
 //! generated modules hold as `CONTROL`, and can be overridden field by field in [`Gains`].
 //!
+//! [`estimator`] turns encoder counts and an inertial unit's readings into the state.
+//!
 //! Neither standard library nor heap is needed, nothing panics, and the work of a step does not depend
 //! on the state.
 #![no_std]
@@ -15,6 +17,7 @@
 mod clamp;
 mod controller;
 mod error;
+pub mod estimator;
 mod gains;
 mod law;
 mod linear_algebra;

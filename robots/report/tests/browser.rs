@@ -82,6 +82,7 @@ fn assert_alive(found: &Value) {
         assert_eq!(run["pictureMoved"], true, "{title}: the picture stands still");
         assert_eq!(run["cursorMoved"], true, "{title}: the cursor stands still");
         assert_eq!(number(run, "afterPause"), number(run, "played"), "{title}: it runs on");
+        assert!(number(run, "red") > 20.0, "{title}: no ball is seen: {run}");
         assert!(number(run, "colors") > 100.0, "{title}: the picture is blank: {run}");
         assert!(
             (number(run, "clicked") - 1.0).abs() < 0.02,
@@ -122,8 +123,8 @@ fn a_screenshot_shows_the_ball() {
     let first = pixels[0];
     let other = pixels.iter().filter(|&&pixel| pixel != first).count();
     assert!(other > pixels.len() / 20, "only {other} pixels differ from the first");
-    // Nothing else on the page is of the ball's red.
-    let red = |&[r, g, b]: &[u8; 3]| r > 150 && g < r / 2 && b < r / 2;
+    // Nothing else on the page is of the ball's red: that of the lines has no blue.
+    let red = |&[r, g, b]: &[u8; 3]| r > 120 && g < r / 2 && b < r / 2 && b > r / 8;
     let ball = pixels.iter().filter(|pixel| red(pixel)).count();
     assert!(ball > 100, "{ball} pixels of the ball");
 }

@@ -137,7 +137,6 @@ fn sensors<const NS: usize>(
         },
         ..Sensors::default()
     };
-    sensors.filter *= (0.33 / scale.time).max(1.0);
     for (index, bias) in leaning(description).into_iter().zip(numbers.list(ranges.bias)) {
         sensors.lean_bias[index] = bias;
     }

@@ -41,12 +41,10 @@ pub struct Sensors<const NS: usize> {
     /// Constant error of shape rates.
     pub lean_rate_bias: SVector<f64, NS>,
     /// Step of the encoders of position variables, in their unit: 2π over the counts per revolution.
-    /// Zero for none; with it, rates are those of a tracking filter on the counts.
+    /// Zero for none; with it, rates are differences of counts: see [`crate::RateFilter`].
     pub position_step: f64,
     /// Step of the encoders of actuated shape coordinates; their rates are taken as measured.
     pub joint_step: f64,
-    /// Bandwidth of the tracking filter, rad/s.
-    pub filter: f64,
     /// Age of what the controller is given, s.
     pub delay: f64,
 }
@@ -60,7 +58,6 @@ impl<const NS: usize> Default for Sensors<NS> {
             lean_rate_bias: SVector::zeros(),
             position_step: 0.0,
             joint_step: 0.0,
-            filter: 120.0,
             delay: 0.0,
         }
     }
@@ -125,7 +122,6 @@ impl<const NX: usize, const NS: usize> Scenario<NX, NS> {
         at_least("noise of the lean rate", self.sensors.lean_rate_noise, 0.0)?;
         at_least("step of the encoders", self.sensors.position_step, 0.0)?;
         at_least("step of the joint encoders", self.sensors.joint_step, 0.0)?;
-        at_least("bandwidth of the tracking filter", self.sensors.filter, f64::MIN_POSITIVE)?;
         at_least("sensing delay", self.sensors.delay, 0.0)?;
         if self.floor.wave != [0.0; 2] {
             at_least("length of the floor's waves", self.floor.wavelength, f64::MIN_POSITIVE)?;

@@ -15,8 +15,8 @@ pub(crate) struct SensorSuite<const N: usize, const NS: usize> {
     kinds: [Kind; N],
     period: f64,
     noise: ChaCha8Rng,
-    /// Position and rate of the tracking filters, per position variable.
-    track: Option<State<f64, N>>,
+    /// Counts of the encoders one period before.
+    counted: Option<SVector<f64, N>>,
     /// Readings on their way, oldest first.
     on_the_way: VecDeque<State<f64, N>>,
     age: usize,
@@ -46,7 +46,7 @@ impl<const N: usize, const NS: usize> SensorSuite<N, NS> {
             kinds: std::array::from_fn(kind),
             period,
             noise: ChaCha8Rng::seed_from_u64(seed),
-            track: None,
+            counted: None,
             on_the_way: VecDeque::new(),
             age: (settings.delay / period).round() as usize,
         }
@@ -72,7 +72,10 @@ impl<const N: usize, const NS: usize> SensorSuite<N, NS> {
             }
         }
         if self.settings.position_step > 0.0 {
-            self.track(&mut read, state);
+            let before = self.counted.replace(read.q).unwrap_or(read.q);
+            for i in (0..N).filter(|&i| self.kinds[i] == Kind::Position) {
+                read.qd[i] = (read.q[i] - before[i]) / self.period;
+            }
         }
         self.delayed(read)
     }
@@ -84,23 +87,6 @@ impl<const N: usize, const NS: usize> SensorSuite<N, NS> {
         read.q[i] +=
             lean_offset[i] + self.settings.lean_bias[shape] + self.settings.lean_noise * angle;
         read.qd[i] += self.settings.lean_rate_bias[shape] + self.settings.lean_rate_noise * rate;
-    }
-
-    /// Second-order tracking filters on the counts, critically damped: their rate takes the place of a
-    /// difference of counts.
-    fn track(&mut self, read: &mut State<f64, N>, truth: &State<f64, N>) {
-        let mut track = self.track.unwrap_or(*truth);
-        // The poles of the sampled filter are both at e^(−ω T).
-        let pole = (-self.settings.filter * self.period).exp();
-        let (alpha, beta) = (1.0 - pole * pole, (1.0 - pole) * (1.0 - pole));
-        for i in (0..N).filter(|&i| self.kinds[i] == Kind::Position) {
-            let ahead = track.q[i] + track.qd[i] * self.period;
-            let residual = read.q[i] - ahead;
-            track.q[i] = ahead + alpha * residual;
-            track.qd[i] += beta / self.period * residual;
-            read.qd[i] = track.qd[i];
-        }
-        self.track = Some(track);
     }
 
     fn delayed(&mut self, read: State<f64, N>) -> State<f64, N> {
@@ -185,20 +171,10 @@ mod tests {
     }
 
     #[test]
-    fn the_tracking_filter_finds_a_constant_rate_from_counts() {
-        let step = std::f64::consts::TAU / 4096.0;
-        let mut sensors = suite(Sensors { position_step: step, ..Default::default() }, 1);
-        let mut worst: f64 = 0.0;
-        let mut start = state(0.0, 0.0);
-        sensors.read(&start, &SVector::zeros());
-        for k in 1..2000 {
-            start.q[0] = 3.0 * 0.002 * f64::from(k);
-            let rate = sensors.read(&start, &SVector::zeros()).qd[0];
-            if k > 500 {
-                worst = worst.max((rate - 3.0).abs());
-            }
-        }
-        assert!(worst < 0.08, "{worst} rad/s; a difference of counts is off by up to 0.77");
+    fn rates_of_counts_are_their_differences() {
+        let mut sensors = suite(Sensors { position_step: 0.01, ..Default::default() }, 1);
+        let mut rate = |x: f64| sensors.read(&state(x, 9.0), &SVector::zeros()).qd[0];
+        assert_eq!([rate(0.0), rate(0.004), rate(0.012)], [0.0, 0.0, 5.0]);
     }
 
     #[test]

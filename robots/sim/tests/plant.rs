@@ -106,10 +106,8 @@ where
     R: LagrangianSystem<f64, N>,
 {
     fn system(&self, time: f64, y: &DVector<f64>, dy: &mut DVector<f64>) {
-        let state = State {
-            q: SVector::from_fn(|i, _| y[i]),
-            qd: SVector::from_fn(|i, _| y[N + i]),
-        };
+        let state =
+            State { q: SVector::from_fn(|i, _| y[i]), qd: SVector::from_fn(|i, _| y[N + i]) };
         let acceleration = self.plant.acceleration(time, &state, &drive(self.robot, time));
         for i in 0..N {
             dy[i] = state.qd[i];
@@ -288,8 +286,7 @@ fn slopes_are_refused_where_the_weight_is_not_known() {
 
 #[test]
 fn the_full_maze_is_the_textbook_for_slow_tilting() {
-    let (textbook, full) =
-        (MarbleMaze::<f64>::from_model(), MarbleMazeFull::<f64>::from_model());
+    let (textbook, full) = (MarbleMaze::<f64>::from_model(), MarbleMazeFull::<f64>::from_model());
     // Plates that stand still: the marble runs with 5/7 g sin(beta) in both.
     let q = SVector::from([0.02, -0.03, 0.0, 0.1]);
     let hold = |system: &dyn LagrangianSystem<f64, 4>| {

@@ -94,7 +94,7 @@ where
 }
 
 /// One Runge-Kutta step with the force held.
-fn advance<R, const N: usize, const NX: usize, const NS: usize>(
+pub(crate) fn advance<R, const N: usize, const NX: usize, const NS: usize>(
     robot: &R,
     state: &State<f64, N>,
     force: &SVector<f64, N>,

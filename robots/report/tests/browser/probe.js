@@ -3,17 +3,19 @@
 
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
-/** Pixels of a canvas as one string, and how many colours they have. */
+/** A number for the pixels of a canvas, how many colours they have, and how many are of a ball's red. */
 function look(canvas) {
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   const colors = new Set();
-  let sum = 0;
+  let [sum, red] = [0, 0];
   for (let i = 0; i < data.length; i += 4) {
     const color = (data[i] << 16) | (data[i + 1] << 8) | data[i + 2];
     colors.add(color);
+    // The paths' red has no blue.
+    if (data[i] > 120 && 2 * data[i + 1] < data[i] && 2 * data[i + 2] < data[i] && 8 * data[i + 2] > data[i]) red++;
     sum = (Math.imul(sum, 31) + color) | 0;
   }
-  return { sum, colors: colors.size };
+  return { sum, red, colors: colors.size };
 }
 
 function press(canvas, key) {
@@ -34,8 +36,10 @@ async function probe(article) {
   const time = () => Number(scrub.value);
   const cursor = () => find(".cursor").getAttribute("transform");
   const found = { title: find("h3").textContent, start: time() };
+  // Copies of the robot are pale; it must be seen itself.
+  find(".copies").click();
   const [before, cursorBefore] = [look(canvas), cursor()];
-  found.colors = before.colors;
+  [found.colors, found.red] = [before.colors, before.red];
 
   play.click();
   await until(() => time() > 0.1);
