@@ -15,6 +15,12 @@ pub enum Dimension {
     Force,
     /// Newton metres.
     Torque,
+    /// Radians per second.
+    AngularRate,
+    /// Newton metres per radian per second.
+    AngularFriction,
+    /// Newtons per metre per second.
+    LinearFriction,
 }
 
 impl Dimension {
@@ -27,12 +33,15 @@ impl Dimension {
             Self::Angle => "rad",
             Self::Force => "N",
             Self::Torque => "N*m",
+            Self::AngularRate => "rad/s",
+            Self::AngularFriction => "N*m*s",
+            Self::LinearFriction => "N*s/m",
         }
     }
 }
 
 /// Unit, what it measures, and how much of the base unit it is.
-const UNITS: [(&str, Dimension, f64); 11] = [
+const UNITS: [(&str, Dimension, f64); 17] = [
     ("s", Dimension::Time, 1.0),
     ("ms", Dimension::Time, 1e-3),
     ("min", Dimension::Time, 60.0),
@@ -44,6 +53,12 @@ const UNITS: [(&str, Dimension, f64); 11] = [
     ("N", Dimension::Force, 1.0),
     ("N m", Dimension::Torque, 1.0),
     ("N*m", Dimension::Torque, 1.0),
+    ("rad/s", Dimension::AngularRate, 1.0),
+    ("deg/s", Dimension::AngularRate, PI / 180.0),
+    ("N m s", Dimension::AngularFriction, 1.0),
+    ("N*m*s", Dimension::AngularFriction, 1.0),
+    ("N s/m", Dimension::LinearFriction, 1.0),
+    ("N*s/m", Dimension::LinearFriction, 1.0),
 ];
 
 /// One or several numbers of one unit, in the SI unit of what they measure.
@@ -98,6 +113,12 @@ mod tests {
         assert_eq!(read("1e3 ms"), Ok((vec![1.0], Dimension::Time)));
         assert_eq!(read("20 N m"), Ok((vec![20.0], Dimension::Torque)));
         assert_eq!(read("20 N*m"), read("20 N m"));
+        assert_eq!(read("0.3 N m s"), Ok((vec![0.3], Dimension::AngularFriction)));
+        assert_eq!(read("3 N s/m"), Ok((vec![3.0], Dimension::LinearFriction)));
+        assert_eq!(
+            read("360 deg/s"),
+            Ok((vec![2.0 * std::f64::consts::PI], Dimension::AngularRate))
+        );
         assert_eq!(read("-1, 20N"), Ok((vec![-1.0, 20.0], Dimension::Force)));
         for wrong in [
             "5", "5 N N m", "5 k m", "5 ft", "m", "", "1,,2 m", "nan s", "inf m", "1e999 s",

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::reader::{Source, Table, Value};
+use crate::simulation::Simulation;
 use crate::task::{
     Constraint, ConstraintLeg, Method, Motion, Objective, Said, Shares, Spare, Task, Waypoint,
 };
@@ -15,7 +16,7 @@ type Outcome<T> = Result<T, Error>;
 /// Degree of a line's smooth step if the task does not say.
 const DEGREE: usize = 9;
 
-const KEYS: [&str; 12] = [
+const KEYS: [&str; 14] = [
     "title",
     "robot",
     "method",
@@ -28,6 +29,8 @@ const KEYS: [&str; 12] = [
     "force_limits",
     "motion",
     "constraints",
+    "simulation",
+    "paper",
 ];
 
 /// Reads a task; `name` is that of the file, for messages.
@@ -58,7 +61,14 @@ pub fn parse(name: &str, text: &str) -> Outcome<Task> {
         force_limits: optional(&table, "force_limits", limits)?,
         motion: place.said(motion),
         constraints: optional(&table, "constraints", constraints)?,
+        simulation: Simulation::default(),
+        is_experiment: false,
+        paper: optional(&table, "paper", crate::read_simulation::paper)?,
     };
+    if let Some(simulation) = table.get("simulation") {
+        crate::read_simulation::read(&simulation.table()?, &mut task.simulation)?;
+        task.is_experiment = true;
+    }
     if let Some(spare) = table.get("spare") {
         let Shares::Automatic(chosen) = &mut task.shares.value else {
             return Err(spare.error("goes with shares = \"auto\""));

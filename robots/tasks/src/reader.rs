@@ -70,6 +70,15 @@ impl<'s> Value<'s> {
         Err(self.error(format!("no such choice: `{found}`{}", suggestion(found, &known))))
     }
 
+    /// True or false.
+    pub(crate) fn switch(&self) -> Outcome<bool> {
+        self.value.as_bool().ok_or_else(|| self.expected("true or false"))
+    }
+
+    pub(crate) fn is_list(&self) -> bool {
+        self.value.is_array()
+    }
+
     pub(crate) fn is_string(&self) -> bool {
         self.value.is_str()
     }

@@ -1,6 +1,7 @@
 //! What a task says.
 
 use crate::Quantities;
+use crate::simulation::{Paper, Simulation};
 
 /// A value, with where it was said for messages about it: `walk.toml:7:8: \`motion.goal\``.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -146,4 +147,10 @@ pub struct Task {
     pub motion: Said<Motion>,
     /// Shape sets that follow trajectories of their own.
     pub constraints: Vec<Constraint>,
+    /// What is simulated.
+    pub simulation: Simulation,
+    /// Whether the task says anything about its simulation.
+    pub is_experiment: bool,
+    /// What the paper reports.
+    pub paper: Paper,
 }

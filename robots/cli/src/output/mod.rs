@@ -3,11 +3,11 @@
 mod columns;
 mod json;
 mod motion;
-pub(crate) mod number;
 
 pub(crate) use columns::{Align, Columns};
 pub(crate) use json::Json;
 pub(crate) use motion::{csv, json, method, report};
+pub(crate) use shapebot_planning::number;
 
 use crate::failure::{Failure, Outcome};
 use std::path::Path;
