@@ -1,5 +1,6 @@
 //! `shapebot table`: the task of Table II for the paper's four systems.
 
+use super::experiments::unbroken;
 use super::plan::task;
 use crate::failure::Outcome;
 use crate::output::{self, Align, Columns, number};
@@ -121,7 +122,7 @@ fn report(planned: &[Option<Plans>]) -> Table {
         note: NOTE.into(),
         columns: COLUMNS.iter().map(|(name, _)| (*name).to_owned()).collect(),
         rows: rows
-            .map(|(row, plans)| Row { cells: cells(row, plans.as_ref()), run: None })
+            .map(|(row, plans)| Row { cells: unbroken(cells(row, plans.as_ref())), run: None })
             .collect(),
     }
 }

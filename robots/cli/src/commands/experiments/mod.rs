@@ -84,9 +84,18 @@ fn variants((name, text): &(&'static str, &str)) -> Outcome<Vec<(&'static str, S
     Ok(variants)
 }
 
+/// The paper's experiments in its order, then the others.
+fn place(task: &Task) -> u32 {
+    let figure = task.paper.figure.as_deref().unwrap_or_default();
+    let digits = figure.trim_start_matches(|c: char| !c.is_ascii_digit());
+    let end = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
+    digits[..end].parse().unwrap_or(u32::MAX)
+}
+
 fn simulated() -> Outcome<Vec<Finished>> {
     let jobs = TASKS.iter().map(variants).collect::<Outcome<Vec<_>>>()?;
-    let jobs: Vec<_> = jobs.into_iter().flatten().collect();
+    let mut jobs: Vec<_> = jobs.into_iter().flatten().collect();
+    jobs.sort_by_key(|(_, _, task)| place(task));
     let bar = bar(jobs.len() as u64, "experiments");
     let finished = jobs.into_par_iter().map(|(name, source, task)| {
         let robot = source.dynamics(&[])?;
@@ -97,6 +106,11 @@ fn simulated() -> Outcome<Vec<Finished>> {
     let finished = finished.collect::<Outcome<Vec<_>>>();
     bar.finish_and_clear();
     finished
+}
+
+/// Cells of a report, in which numbers stay beside their units.
+pub(crate) fn unbroken(cells: Vec<String>) -> Vec<String> {
+    cells.into_iter().map(|cell| cell.replace(' ', "\u{a0}")).collect()
 }
 
 /// Progress with the time left; on standard error, and nowhere if that is no terminal.

@@ -1,6 +1,6 @@
 //! The table of closed loops.
 
-use super::Finished;
+use super::{Finished, unbroken};
 use crate::output::{Align, Columns, number};
 use shapebot_experiments::Experiment;
 use shapebot_report::{Row, Table};
@@ -25,7 +25,7 @@ const HEAD: [(&str, Align); 9] = [
     ("largest", Align::Right),
     ("end", Align::Right),
     ("compensation: body", Align::Right),
-    ("arms", Align::Right),
+    ("joints", Align::Right),
 ];
 
 pub(super) fn write(to: &mut impl Write, finished: &[Finished]) -> io::Result<()> {
@@ -46,7 +46,8 @@ pub(super) fn write(to: &mut impl Write, finished: &[Finished]) -> io::Result<()
 
 /// The same for a report; runs in the order of the list.
 pub(super) fn report(finished: &[Finished]) -> Table {
-    let row = |(run, done): (usize, &Finished)| Row { cells: cells(done), run: Some(run) };
+    let row =
+        |(run, done): (usize, &Finished)| Row { cells: unbroken(cells(done)), run: Some(run) };
     Table {
         title: TITLE.into(),
         note: NOTE.into(),
