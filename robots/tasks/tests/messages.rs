@@ -1,6 +1,5 @@
 //! What is said about wrong task files.
 
-use shapebot_tasks::simulation::Compensate;
 use shapebot_tasks::{Motion, Shares, Spare, parse};
 
 const SOUND: &str = r#"robot = "ballbot3d_arms"
@@ -111,62 +110,4 @@ fn no_text_makes_it_panic() {
     let many = "robot = \"r\"\nsamples = 9\n[motion]\nkind = \"bezier\"\nduration = \"1 s\"\n\
                 points = [{ at = \"0 m\", times = 18446744073709551615 }]";
     assert!(parse("t.toml", many).unwrap_err().to_string().contains("control points"));
-}
-
-const SIMULATED: &str = r#"robot = "ballbot3d"
-samples = 501
-[motion]
-kind = "rest"
-duration = "2 s"
-[simulation]
-after = "1 s"
-compensate = "plan"
-observer = false
-gains = { lean = [4, 5], observer_rate = 20 }
-drive = { viscous = "0.3 N m s" }
-delay = { sensors = "2 ms" }
-noise = { lean = "0.05 deg", counts = 4096 }
-start = { position = "0.1, 0 m", lean = "2 deg" }
-pushes = [{ point = "head", force = "1, 2, 3 N", start = "0 s", duration = "1 s" }]
-plant = { m_b = 84.4 }
-[paper]
-rmse = "18 mm"
-compensation = { phi = "180 deg" }
-"#;
-
-#[test]
-fn simulations_are_read_and_changed_line_by_line() {
-    let mut task = parse("s.toml", SIMULATED).unwrap();
-    assert!(task.is_experiment && !parse("a.toml", SOUND).unwrap().is_experiment);
-    assert_eq!(task.paper.rmse, Some(0.018));
-    assert_eq!(task.paper.compensation[0].1, std::f64::consts::PI);
-    assert_eq!(task.simulation.compensate, Compensate::Plan);
-    assert_eq!((task.simulation.delay, task.simulation.observer), ([0.002, 0.0], Some(false)));
-    assert_eq!(task.simulation.gains[0].1, [4.0, 5.0]);
-    assert_eq!(task.simulation.pushes[0].force.value.values, [1.0, 2.0, 3.0]);
-    // A line changes what it says and nothing else; quotes may be left out.
-    for line in ["drive.coulomb = 2 N m", "plant.m_b = 60", "plant.l_b=0.8", "delay = \"6 ms\""] {
-        task.set_simulation("--set", line).unwrap();
-    }
-    let drive = &task.simulation.drive.value;
-    let values = |q: &Option<shapebot_tasks::Quantities>| q.as_ref().unwrap().values.clone();
-    assert_eq!((values(&drive.viscous), values(&drive.coulomb)), (vec![0.3], vec![2.0]));
-    let plant: Vec<f64> = task.simulation.plant.iter().map(|(_, value)| *value).collect();
-    assert_eq!((plant, task.simulation.delay), (vec![60.0, 0.8], [0.002, 0.006]));
-    for (from, to, message) in [
-        ("after =", "aftr =", "did you mean `after`?"),
-        ("false", "1", "s.toml:9:12: `simulation.observer`: expected true or false"),
-        ("lean = [4, 5]", "leen = 4", "did you mean `lean`?"),
-        ("\"2 ms\"", "\"-2 ms\"", "`simulation.delay.sensors`: a time cannot be negative"),
-        ("4096", "-1", "`simulation.noise.counts`: expected a number from 0 up"),
-        ("1, 2, 3 N", "1, 2 N", "expected three numbers"),
-        ("1, 2, 3 N", "1, 2, 3 m", "expected N, found m"),
-        ("84.4", "\"84 kg\"", "`simulation.plant.m_b`: expected a number"),
-        ("after =", "controller = \"lqr\"\nafter =", "needs `lqr = "),
-        ("\"18 mm\"", "18", "`paper.rmse`"),
-    ] {
-        assert!(SIMULATED.contains(from), "{from}");
-        let error = parse("s.toml", &SIMULATED.replacen(from, to, 1)).expect_err(to).to_string();
-        assert!(error.contains(message), "{to}: {error}");
-    }
 }
