@@ -7,6 +7,7 @@
 #![cfg_attr(not(test), deny(clippy::panic, clippy::unreachable))]
 
 pub mod cia402;
+pub mod crc;
 mod frame;
 pub mod id;
 pub mod legs;
@@ -21,3 +22,6 @@ pub use table::{
     MAX_COORDINATES, MAX_ENTRIES, MAX_NODES, MAX_PAIR, MotorTable, NodeTable, OperatorTable, Pdo,
     Role, SafetyTable, SdoStep, Signal, Source, Timing, YawTable,
 };
+
+/// Cycles from one telemetry frame of the master to the next.
+pub const TELEMETRY_CYCLES: u32 = 5;
