@@ -3,7 +3,6 @@
 use std::io::ErrorKind;
 use std::time::{Duration, Instant};
 
-use embedded_can::Frame as _;
 use socketcan::{
     CanErrorFrame, CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, SocketOptions,
 };

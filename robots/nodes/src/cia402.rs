@@ -2,7 +2,7 @@
 
 use shapebot_drive::{DataType, Frame, Object, object};
 
-use crate::core::{CommunicationError, Core};
+use crate::device::{CommunicationError, Device};
 use crate::{Abort, Access, Dictionary, Mappable, Motion, Physical};
 
 /// Mode of operation "cyclic synchronous torque".
@@ -21,6 +21,8 @@ pub struct DriveSettings {
     pub torque_per_count: f64,
     /// Motor rated torque, mN·m: 0x6076.
     pub rated_torque: u32,
+    /// The most that motor and amplifier give, N·m.
+    pub peak_torque: f64,
     /// Counts of the encoder per turn of the shaft.
     pub counts_per_revolution: u32,
     /// Rate for one count of 0x606C, rad/s.
@@ -30,7 +32,7 @@ pub struct DriveSettings {
 }
 
 impl Default for DriveSettings {
-    /// Rated torque 1 N·m, per mille of it; 4096 counts per turn, rate in counts per second.
+    /// Rated torque 1 N·m, peak 3 N·m, per mille of the rated one; 4096 counts per turn, rate in counts per second.
     fn default() -> Self {
         Self {
             motor: 0,
@@ -38,6 +40,7 @@ impl Default for DriveSettings {
             torque_kind: DataType::I16,
             torque_per_count: 0.001,
             rated_torque: 1000,
+            peak_torque: 3.0,
             counts_per_revolution: 4096,
             rate_per_count: std::f64::consts::TAU / 4096.0,
             mode: CYCLIC_SYNCHRONOUS_TORQUE,
@@ -158,59 +161,59 @@ impl Drive {
     }
 
     /// Start-up is over.
-    pub(crate) fn boot(&mut self, core: &mut Core) {
+    pub(crate) fn boot(&mut self, device: &mut Device) {
         self.state = PowerState::SwitchOnDisabled;
-        self.publish(core);
+        self.publish(device);
     }
 
     /// Power fails or the node restarts: no torque at once.
-    pub(crate) fn reset(&mut self, core: &mut Core, physical: &mut Physical<'_>) {
+    pub(crate) fn reset(&mut self, device: &mut Device, physical: &mut Physical<'_>) {
         self.state = PowerState::NotReadyToSwitchOn;
         (self.previous, self.stop) = (0, None);
-        self.act(core, physical);
+        self.act(device, physical);
     }
 
     /// SYNC: encoder and statusword as they are now.
-    pub(crate) fn sample(&mut self, core: &mut Core, physical: &mut Physical<'_>) {
+    pub(crate) fn sample(&mut self, device: &mut Device, physical: &mut Physical<'_>) {
         let actual = physical.here().motor(self.settings.motor);
         let motion = self.faults.stuck.unwrap_or(actual);
-        let polarity = core.dictionary.get(Object::POLARITY);
+        let polarity = device.dictionary.get(Object::POLARITY);
         let sign = |bit: i64| if polarity & bit == 0 { 1.0 } else { -1.0 };
         let turns = motion.angle / std::f64::consts::TAU;
         let counts = (turns * f64::from(self.settings.counts_per_revolution)).floor();
         let rate = (motion.rate / self.settings.rate_per_count).round();
-        core.dictionary.set(Object::POSITION, wrapped(counts * sign(1 << 7)));
-        core.dictionary.set(Object::VELOCITY, whole(rate * sign(1 << 6)));
-        self.publish(core);
+        device.dictionary.set(Object::POSITION, wrapped(counts * sign(1 << 7)));
+        device.dictionary.set(Object::VELOCITY, whole(rate * sign(1 << 6)));
+        self.publish(device);
     }
 
     /// The objects may have changed: state machine, then torque.
     pub(crate) fn step(
         &mut self,
-        core: &mut Core,
+        device: &mut Device,
         physical: &mut Physical<'_>,
         out: &mut Vec<Frame>,
     ) {
-        let mode = core.dictionary.get(Object::MODE);
-        core.dictionary.set(Object::MODE_DISPLAY, mode);
-        let controlword = core.dictionary.get(Object::CONTROLWORD);
+        let mode = device.dictionary.get(Object::MODE);
+        device.dictionary.set(Object::MODE_DISPLAY, mode);
+        let controlword = device.dictionary.get(Object::CONTROLWORD);
         let reset = controlword & FAULT_RESET != 0 && self.previous & FAULT_RESET == 0;
         self.previous = controlword;
         if reset && self.state == PowerState::Fault {
             self.state = PowerState::SwitchOnDisabled;
-            core.dictionary.set(ERROR_CODE, 0);
-            core.emergency(0, out);
+            device.dictionary.set(ERROR_CODE, 0);
+            device.emergency(0, out);
         }
-        self.obey(controlword, core, physical, out);
-        self.act(core, physical);
-        self.publish(core);
+        self.obey(controlword, device, physical, out);
+        self.act(device, physical);
+        self.publish(device);
     }
 
     /// Transitions 2 to 12 and 16 of the standard.
     fn obey(
         &mut self,
         controlword: i64,
-        core: &mut Core,
+        device: &mut Device,
         physical: &Physical<'_>,
         out: &mut Vec<Frame>,
     ) {
@@ -218,7 +221,7 @@ impl Drive {
             OperationEnabled, QuickStopActive, ReadyToSwitchOn, SwitchOnDisabled, SwitchedOn,
         };
         let set = |bits: i64| controlword & bits == bits;
-        let dictionary = &core.dictionary;
+        let dictionary = &device.dictionary;
         match self.state {
             ReadyToSwitchOn | SwitchedOn | OperationEnabled | QuickStopActive
                 if !set(ENABLE_VOLTAGE) =>
@@ -226,7 +229,7 @@ impl Drive {
                 self.leave(SwitchOnDisabled);
             }
             ReadyToSwitchOn | SwitchedOn if !set(NO_QUICK_STOP) => self.leave(SwitchOnDisabled),
-            OperationEnabled if !set(NO_QUICK_STOP) => self.quick_stop(core, physical.now()),
+            OperationEnabled if !set(NO_QUICK_STOP) => self.quick_stop(device, physical.now()),
             SwitchOnDisabled if set(ENABLE_VOLTAGE | NO_QUICK_STOP) && !set(SWITCH_ON) => {
                 self.state = ReadyToSwitchOn;
             }
@@ -240,7 +243,7 @@ impl Drive {
                 self.stop_to(SwitchedOn, option, dictionary, physical.now());
             }
             ReadyToSwitchOn | SwitchedOn if set(SWITCH_ON | ENABLE_OPERATION) => {
-                self.enable(core, physical, out);
+                self.enable(device, physical, out);
             }
             ReadyToSwitchOn if set(SWITCH_ON) => self.state = SwitchedOn,
             QuickStopActive
@@ -259,24 +262,24 @@ impl Drive {
     }
 
     /// Communication cycle and interpolation period must agree before torque is given.
-    fn enable(&mut self, core: &mut Core, physical: &Physical<'_>, out: &mut Vec<Frame>) {
-        let cycle = core.cycle_period();
-        if cycle > 0 && interpolation_us(&core.dictionary) != Some(cycle) {
-            self.fault(CommunicationError::Sync.code(), core, physical.now(), out);
+    fn enable(&mut self, device: &mut Device, physical: &Physical<'_>, out: &mut Vec<Frame>) {
+        let cycle = device.cycle_period();
+        if cycle > 0 && interpolation_us(&device.dictionary) != Some(cycle) {
+            self.fault(CommunicationError::Sync.code(), device, physical.now(), out);
         } else {
             self.leave(PowerState::OperationEnabled);
         }
     }
 
-    fn quick_stop(&mut self, core: &Core, now: u64) {
-        let option = core.dictionary.get(Object::QUICK_STOP_OPTION);
+    fn quick_stop(&mut self, device: &Device, now: u64) {
+        let option = device.dictionary.get(Object::QUICK_STOP_OPTION);
         if option == 0 {
             return self.leave(PowerState::SwitchOnDisabled);
         }
         let stays = option >= 5;
         let next = if stays { PowerState::QuickStopActive } else { PowerState::SwitchOnDisabled };
-        self.stop_to(next, 1, &core.dictionary, now);
         self.state = PowerState::QuickStopActive;
+        self.stop_to(next, 1, &device.dictionary, now);
     }
 
     /// Goes to `next` at once, or down the torque slope if the option says so.
@@ -289,17 +292,17 @@ impl Drive {
     }
 
     /// A fault of the drive: reaction by 0x605E, emergency, latched.
-    pub(crate) fn fault(&mut self, code: u16, core: &mut Core, now: u64, out: &mut Vec<Frame>) {
+    pub(crate) fn fault(&mut self, code: u16, device: &mut Device, now: u64, out: &mut Vec<Frame>) {
         if matches!(self.state, PowerState::Fault | PowerState::FaultReactionActive) {
             return;
         }
-        core.dictionary.set(ERROR_CODE, i64::from(code));
-        core.emergency(code, out);
+        device.dictionary.set(ERROR_CODE, i64::from(code));
+        device.emergency(code, out);
         let torque =
             matches!(self.state, PowerState::OperationEnabled | PowerState::QuickStopActive);
-        let option = if torque { core.dictionary.get(Object::FAULT_OPTION) } else { 0 };
+        let option = if torque { device.dictionary.get(Object::FAULT_OPTION) } else { 0 };
         self.stop = None;
-        self.stop_to(PowerState::Fault, option, &core.dictionary, now);
+        self.stop_to(PowerState::Fault, option, &device.dictionary, now);
         if self.stop.is_some() {
             self.state = PowerState::FaultReactionActive;
         }
@@ -309,39 +312,38 @@ impl Drive {
     pub(crate) fn lost(
         &mut self,
         error: CommunicationError,
-        core: &mut Core,
+        device: &mut Device,
         physical: &mut Physical<'_>,
         out: &mut Vec<Frame>,
     ) {
-        match core.dictionary.get(Object::ABORT_CONNECTION) {
-            1 => self.fault(error.code(), core, physical.now(), out),
+        match device.dictionary.get(Object::ABORT_CONNECTION) {
+            1 => self.fault(error.code(), device, physical.now(), out),
             2 if self.state != PowerState::Fault => {
-                core.emergency(error.code(), out);
+                device.emergency(error.code(), out);
                 self.leave(PowerState::SwitchOnDisabled);
             }
             3 if self.state == PowerState::OperationEnabled => {
-                core.emergency(error.code(), out);
-                self.quick_stop(core, physical.now());
+                device.emergency(error.code(), out);
+                self.quick_stop(device, physical.now());
             }
-            _ => core.emergency(error.code(), out),
+            _ => device.emergency(error.code(), out),
         }
-        self.act(core, physical);
-        self.publish(core);
+        self.act(device, physical);
+        self.publish(device);
     }
 
     /// Brings torque to the plant.
-    pub(crate) fn act(&mut self, core: &mut Core, physical: &mut Physical<'_>) {
-        self.demand = self.demanded(&core.dictionary, physical.now());
+    pub(crate) fn act(&mut self, device: &mut Device, physical: &mut Physical<'_>) {
+        self.demand = self.demanded(&device.dictionary, physical.now());
         let settings = &self.settings;
-        let mut torque = self.demand * settings.torque_per_count;
-        if let Some(strength) = self.faults.strength {
-            let most = strength * f64::from(settings.rated_torque) * 1e-3;
-            torque = torque.clamp(-most.abs(), most.abs());
-        }
+        let rated = f64::from(settings.rated_torque) * 1e-3;
+        let strength = self.faults.strength.map_or(f64::MAX, |part| (part * rated).abs());
+        let most = settings.peak_torque.abs().min(strength);
+        let torque = (self.demand * settings.torque_per_count).clamp(-most, most);
         let actual = (torque / settings.torque_per_count).round();
-        core.dictionary.set(DEMAND, whole(self.demand));
-        core.dictionary.set(Object::ACTUAL_TORQUE, whole(actual));
-        let polarity = core.dictionary.get(Object::POLARITY) & (1 << 5) != 0;
+        device.dictionary.set(DEMAND, whole(self.demand));
+        device.dictionary.set(Object::ACTUAL_TORQUE, whole(actual));
+        let polarity = device.dictionary.get(Object::POLARITY) & (1 << 5) != 0;
         let shaft = if polarity == self.faults.flipped { torque } else { -torque };
         #[expect(clippy::float_cmp, reason = "any change is to reach the plant")]
         if shaft != self.applied {
@@ -380,15 +382,15 @@ impl Drive {
         self.stop.map(|_| now + 1000)
     }
 
-    fn publish(&self, core: &mut Core) {
+    fn publish(&self, device: &mut Device) {
         let follows = self.state == PowerState::OperationEnabled
-            && core.dictionary.get(Object::MODE) == i64::from(self.settings.mode);
+            && device.dictionary.get(Object::MODE) == i64::from(self.settings.mode);
         let voltage = 1 << 4;
         let remote = 1 << 9;
         let mut word = i64::from(self.state.bits()) | voltage | remote;
         word |= i64::from(self.limited) << 11;
         word |= i64::from(follows) << 12;
-        core.dictionary.set(Object::STATUSWORD, word);
+        device.dictionary.set(Object::STATUSWORD, word);
     }
 }
 

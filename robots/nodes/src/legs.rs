@@ -3,7 +3,7 @@
 use shapebot_drive::DataType;
 use shapebot_drive::legs::{COMMAND, LegsCommand, LegsState, STATE};
 
-use crate::core::Core;
+use crate::device::Device;
 use crate::{Access, Dictionary, Mappable, Physical};
 
 /// Time between two positions of moving legs, µs.
@@ -36,15 +36,15 @@ impl Legs {
         self.released = released;
     }
 
-    fn retracts(&self, core: &Core) -> bool {
+    fn retracts(&self, device: &Device) -> bool {
         let retract = i64::from(LegsCommand::Retract as u8);
-        !self.released && core.is_operational() && core.dictionary.get(COMMAND) == retract
+        !self.released && device.is_operational() && device.dictionary.get(COMMAND) == retract
     }
 
     /// Lets the legs move up to now.
-    pub(crate) fn step(&mut self, core: &mut Core, physical: &mut Physical<'_>) {
+    pub(crate) fn step(&mut self, device: &mut Device, physical: &mut Physical<'_>) {
         let now = physical.now();
-        let goal = if self.retracts(core) { 0.0 } else { 1.0 };
+        let goal = if self.retracts(device) { 0.0 } else { 1.0 };
         #[expect(clippy::cast_precision_loss, reason = "2⁵³ µs are 285 years")]
         let part = now.saturating_sub(self.moved_at) as f64 / self.travel.max(1) as f64;
         self.moved_at = now;
@@ -63,11 +63,11 @@ impl Legs {
             (true, true) => LegsState::DOWN,
             (true, false) => LegsState::UP,
         };
-        core.dictionary.set(STATE, i64::from(state.0));
+        device.dictionary.set(STATE, i64::from(state.0));
     }
 
-    pub(crate) fn next(&self, core: &Core) -> Option<u64> {
-        let goal = if self.retracts(core) { 0.0 } else { 1.0 };
+    pub(crate) fn next(&self, device: &Device) -> Option<u64> {
+        let goal = if self.retracts(device) { 0.0 } else { 1.0 };
         let moving = !self.stuck && (self.extension - goal).abs() > 0.0;
         moving.then_some(self.moved_at + STEP)
     }

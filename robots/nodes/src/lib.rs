@@ -12,7 +12,7 @@
 mod abort;
 mod attached;
 mod cia402;
-mod core;
+mod device;
 mod dictionary;
 mod legs;
 mod network;
@@ -21,15 +21,13 @@ mod pdo;
 mod plant;
 mod sdo;
 mod sensor;
-mod table;
 
 pub use abort::Abort;
 pub use attached::Attached;
 pub use cia402::{CYCLIC_SYNCHRONOUS_TORQUE, DriveSettings, PowerState};
-pub use core::NmtState;
+pub use device::NmtState;
 pub use dictionary::{Access, Dictionary, Mappable, Value, Variable};
 pub use network::Network;
-pub use node::{Node, NodeFault, NodeKind, NodeSettings};
+pub use node::{ExtraObject, Node, NodeFault, NodeKind, NodeSettings};
 pub use plant::{Motion, Physical, Plant, Quantity, Rotors};
 pub use sensor::{Channel, Reading};
-pub use table::node_settings;

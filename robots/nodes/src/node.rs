@@ -1,22 +1,22 @@
 //! A simulated node: the parts together.
 
 use shapebot_drive::id::Function;
-use shapebot_drive::{Frame, NodeId, Object};
+use shapebot_drive::{DataType, Frame, NodeId, Object};
 
 use crate::cia402::{Drive, DriveSettings, PowerState};
-use crate::core::{Core, NmtState};
+use crate::device::{Device, NmtState};
 use crate::legs::Legs;
 use crate::sdo::{Objects, Server};
 use crate::sensor::{Channel, Sensor};
-use crate::{Abort, Dictionary, Physical, pdo};
+use crate::{Abort, Access, Dictionary, Mappable, Physical, pdo};
 
 /// What a node is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NodeKind {
     /// A CiA 402 drive.
     Drive(DriveSettings),
-    /// An IMU or encoder.
-    Sensor(Vec<Channel>),
+    /// An IMU or encoder: nothing but its channels.
+    Sensor,
     /// Legs that take so many microseconds from one end to the other.
     Legs {
         /// Travel time, µs.
@@ -35,6 +35,34 @@ pub struct NodeSettings {
     pub boot_us: u64,
     /// What it is.
     pub kind: NodeKind,
+    /// What it measures besides what its kind does.
+    pub channels: Vec<Channel>,
+    /// Objects that it has besides, and other values of those that it has.
+    pub objects: Vec<ExtraObject>,
+}
+
+impl NodeSettings {
+    /// A node with no more than its kind has, which takes 20 ms to start.
+    #[must_use]
+    pub fn new(name: &str, id: NodeId, kind: NodeKind) -> Self {
+        let (channels, objects) = (Vec::new(), Vec::new());
+        Self { name: name.to_owned(), id, boot_us: 20_000, kind, channels, objects }
+    }
+}
+
+/// An object of a node's dictionary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ExtraObject {
+    /// Where it is.
+    pub object: Object,
+    /// Its type.
+    pub kind: DataType,
+    /// Value after power-up.
+    pub value: i64,
+    /// What may be done with it.
+    pub access: Access,
+    /// PDOs that it may be part of.
+    pub mappable: Mappable,
 }
 
 /// A fault of a node to be made.
@@ -74,16 +102,17 @@ pub enum NodeFault {
 #[derive(Clone, Debug)]
 enum Behaviour {
     Drive(Drive),
-    Sensor(Sensor),
+    Sensor,
     Legs(Legs),
 }
 
 /// A simulated CANopen node: frames and time in, frames out.
 #[derive(Clone, Debug)]
 pub struct Node {
-    core: Core,
+    device: Device,
     server: Server,
     behaviour: Behaviour,
+    sensor: Sensor,
     /// Objects that others wrote and that have not yet taken effect.
     written: bool,
     dead: bool,
@@ -98,32 +127,39 @@ impl Node {
             // Servo drive of the profile 402.
             NodeKind::Drive(_) => 0x0002_0192,
             // No standard profile.
-            NodeKind::Sensor(_) | NodeKind::Legs { .. } => 0,
+            NodeKind::Sensor | NodeKind::Legs { .. } => 0,
         };
-        let mut core = Core::new(settings.id, &settings.name, device_type, settings.boot_us);
+        let mut device = Device::new(settings.id, &settings.name, device_type, settings.boot_us);
+        let dictionary = &mut device.dictionary;
         let behaviour = match &settings.kind {
-            NodeKind::Drive(drive) => Behaviour::Drive(Drive::new(*drive, &mut core.dictionary)),
-            NodeKind::Sensor(channels) => {
-                Behaviour::Sensor(Sensor::new(channels, &mut core.dictionary))
-            }
-            NodeKind::Legs { travel_us } => {
-                Behaviour::Legs(Legs::new(*travel_us, &mut core.dictionary))
-            }
+            NodeKind::Drive(drive) => Behaviour::Drive(Drive::new(*drive, dictionary)),
+            NodeKind::Sensor => Behaviour::Sensor,
+            NodeKind::Legs { travel_us } => Behaviour::Legs(Legs::new(*travel_us, dictionary)),
         };
-        core.keep_as_factory();
-        Self { core, server: Server::default(), behaviour, written: false, dead: false, now: 0 }
+        let sensor = Sensor::new(&settings.channels, dictionary);
+        for extra in &settings.objects {
+            let ExtraObject { object, kind, value, access, mappable } = *extra;
+            if dictionary.contains(object) {
+                dictionary.set(object, value);
+            } else {
+                dictionary.number(object, kind, value, access, mappable);
+            }
+        }
+        device.keep_as_factory();
+        let server = Server::default();
+        Self { device, server, behaviour, sensor, written: false, dead: false, now: 0 }
     }
 
     /// Node-ID.
     #[must_use]
     pub const fn id(&self) -> NodeId {
-        self.core.id
+        self.device.id
     }
 
     /// State of the NMT slave.
     #[must_use]
     pub const fn nmt(&self) -> NmtState {
-        self.core.nmt
+        self.device.nmt
     }
 
     /// State of the power drive system; `None` unless the node is a drive.
@@ -131,56 +167,58 @@ impl Node {
     pub const fn power_state(&self) -> Option<PowerState> {
         match &self.behaviour {
             Behaviour::Drive(drive) => Some(drive.state),
-            Behaviour::Sensor(_) | Behaviour::Legs(_) => None,
+            Behaviour::Sensor | Behaviour::Legs(_) => None,
         }
     }
 
     /// The object dictionary.
     #[must_use]
     pub const fn dictionary(&self) -> &Dictionary {
-        &self.core.dictionary
+        &self.device.dictionary
     }
 
     /// Takes a frame. What the node sends is added to `out`.
     pub fn receive(&mut self, frame: &Frame, physical: &mut Physical<'_>, out: &mut Vec<Frame>) {
         self.now = physical.now();
-        let started = !matches!(self.core.nmt, NmtState::Initialising { .. });
+        let started = !matches!(self.device.nmt, NmtState::Initialising { .. });
         let Some(id) = frame.standard_id().filter(|_| started && !self.dead) else { return };
         match Function::of(id) {
             Function::Nmt => self.command(frame, physical, out),
             Function::Sync => self.synchronise(physical, out),
-            Function::SdoRequest(node) if node == self.core.id => self.serve(frame, physical, out),
+            Function::SdoRequest(node) if node == self.device.id => {
+                self.serve(frame, physical, out)
+            }
             Function::Heartbeat(node) => {
-                self.core.note_heartbeat(node.raw(), self.now);
+                self.device.note_heartbeat(node.raw(), self.now);
                 self.hear();
             }
             _ => self.take_pdo(frame, physical, out),
         }
-        self.core.send_events(self.now, out);
+        self.device.send_events(self.now, out);
     }
 
     /// Lets timers run up to now. What the node sends is added to `out`.
     pub fn poll(&mut self, physical: &mut Physical<'_>, out: &mut Vec<Frame>) {
         self.now = physical.now();
-        if let NmtState::Initialising { ready_at } = self.core.nmt
+        if let NmtState::Initialising { ready_at } = self.device.nmt
             && ready_at <= self.now
             && !self.dead
         {
-            self.core.boot(self.now, out);
+            self.device.boot(self.now, out);
             if let Behaviour::Drive(drive) = &mut self.behaviour {
-                drive.boot(&mut self.core);
+                drive.boot(&mut self.device);
             }
         }
         if !self.dead {
-            self.core.beat(self.now, out);
-            while let Some(error) = self.core.lost(self.now) {
+            self.device.beat(self.now, out);
+            while let Some(error) = self.device.lost(self.now) {
                 match &mut self.behaviour {
-                    Behaviour::Drive(drive) => drive.lost(error, &mut self.core, physical, out),
+                    Behaviour::Drive(drive) => drive.lost(error, &mut self.device, physical, out),
                     Behaviour::Legs(legs) => {
                         legs.release(true);
-                        self.core.emergency(error.code(), out);
+                        self.device.emergency(error.code(), out);
                     }
-                    Behaviour::Sensor(_) => self.core.emergency(error.code(), out),
+                    Behaviour::Sensor => self.device.emergency(error.code(), out),
                 }
             }
         }
@@ -189,7 +227,7 @@ impl Node {
             self.sample(physical);
         }
         if !self.dead {
-            self.core.send_events(self.now, out);
+            self.device.send_events(self.now, out);
         }
     }
 
@@ -198,11 +236,11 @@ impl Node {
     pub fn next(&self) -> Option<u64> {
         let own = match &self.behaviour {
             Behaviour::Drive(drive) => drive.next(self.now),
-            Behaviour::Legs(legs) => legs.next(&self.core),
-            Behaviour::Sensor(_) => None,
+            Behaviour::Legs(legs) => legs.next(&self.device),
+            Behaviour::Sensor => None,
         };
-        let core = if self.dead { None } else { self.core.next() };
-        own.into_iter().chain(core).min()
+        let device = if self.dead { None } else { self.device.next() };
+        own.into_iter().chain(device).min()
     }
 
     /// Makes a fault.
@@ -214,18 +252,18 @@ impl Node {
                 self.dead = true;
             }
             (NodeFault::Reset, _) => self.restart(true, physical),
-            (NodeFault::HeartbeatLoss, _) => self.core.sends_heartbeat = false,
-            (NodeFault::NoInputs, _) => self.core.sends_pdos = false,
-            (NodeFault::Missing(object), _) => self.core.dictionary.remove(object),
+            (NodeFault::HeartbeatLoss, _) => self.device.sends_heartbeat = false,
+            (NodeFault::NoInputs, _) => self.device.sends_pdos = false,
+            (NodeFault::Missing(object), _) => self.device.dictionary.remove(object),
             (NodeFault::Value(object, value), _) => {
-                self.core.dictionary.set(object, value);
-                self.core.keep_as_factory();
+                self.device.dictionary.set(object, value);
+                self.device.keep_as_factory();
             }
             (NodeFault::Emergency(code), Behaviour::Drive(drive)) => {
-                drive.fault(code, &mut self.core, self.now, out);
+                drive.fault(code, &mut self.device, self.now, out);
                 self.act(physical, out, false);
             }
-            (NodeFault::Emergency(code), _) => self.core.emergency(code, out),
+            (NodeFault::Emergency(code), _) => self.device.emergency(code, out),
             (NodeFault::StuckEncoder, Behaviour::Drive(drive)) => {
                 drive.faults.stuck = Some(physical.here().motor(drive.settings.motor));
             }
@@ -233,13 +271,11 @@ impl Node {
             (NodeFault::Saturation(part), Behaviour::Drive(drive)) => {
                 drive.faults.strength = Some(part);
             }
-            (NodeFault::StaleSensor | NodeFault::StuckEncoder, Behaviour::Sensor(sensor)) => {
-                sensor.faults.stale = true;
+            (NodeFault::StaleSensor | NodeFault::StuckEncoder, _) => {
+                self.sensor.faults.stale = true;
             }
-            (NodeFault::InvalidSensor, Behaviour::Sensor(sensor)) => sensor.faults.invalid = true,
-            (NodeFault::Unhealthy(health), Behaviour::Sensor(sensor)) => {
-                sensor.faults.health = health;
-            }
+            (NodeFault::InvalidSensor, _) => self.sensor.faults.invalid = true,
+            (NodeFault::Unhealthy(health), _) => self.sensor.faults.health = health,
             (NodeFault::StuckLegs, Behaviour::Legs(legs)) => legs.stuck = true,
             _ => {}
         }
@@ -247,24 +283,25 @@ impl Node {
 
     /// Ends the faults that are switches; a dead node stays dead, a missing object missing.
     pub fn heal(&mut self) {
-        self.core.sends_heartbeat = true;
-        self.core.sends_pdos = true;
+        self.device.sends_heartbeat = true;
+        self.device.sends_pdos = true;
+        self.sensor.faults = Default::default();
         match &mut self.behaviour {
             Behaviour::Drive(drive) => drive.faults = Default::default(),
-            Behaviour::Sensor(sensor) => sensor.faults = Default::default(),
             Behaviour::Legs(legs) => legs.stuck = false,
+            Behaviour::Sensor => {}
         }
     }
 
     fn command(&mut self, frame: &Frame, physical: &mut Physical<'_>, out: &mut Vec<Frame>) {
         let Some([command, node]) = frame.exactly::<2>() else { return };
-        if node != 0 && node != self.core.id.raw() {
+        if node != 0 && node != self.device.id.raw() {
             return;
         }
         match command {
             1 => {
-                self.core.nmt = NmtState::Operational;
-                self.core.refresh(self.now);
+                self.device.nmt = NmtState::Operational;
+                self.device.refresh_pdos(self.now);
                 self.hear();
                 self.sample(physical);
             }
@@ -283,23 +320,28 @@ impl Node {
         physical: &mut Physical<'_>,
         out: &mut Vec<Frame>,
     ) {
-        let was = std::mem::replace(&mut self.core.nmt, next);
+        let was = std::mem::replace(&mut self.device.nmt, next);
         if let Behaviour::Drive(drive) = &mut self.behaviour
             && was == NmtState::Operational
             && drive.state == PowerState::OperationEnabled
         {
-            drive.lost(crate::core::CommunicationError::Heartbeat, &mut self.core, physical, out);
+            drive.lost(
+                crate::device::CommunicationError::Heartbeat,
+                &mut self.device,
+                physical,
+                out,
+            );
         }
         self.act(physical, out, false);
     }
 
     fn restart(&mut self, all: bool, physical: &mut Physical<'_>) {
-        self.core.reset(all, self.now);
+        self.device.reset(all, self.now);
         self.server.reset();
         match &mut self.behaviour {
-            Behaviour::Drive(drive) => drive.reset(&mut self.core, physical),
+            Behaviour::Drive(drive) => drive.reset(&mut self.device, physical),
             Behaviour::Legs(legs) => legs.release(true),
-            Behaviour::Sensor(_) => {}
+            Behaviour::Sensor => {}
         }
     }
 
@@ -312,24 +354,24 @@ impl Node {
 
     /// SYNC k: inputs are sampled and sent, then what came after SYNC k − 1 takes effect.
     fn synchronise(&mut self, physical: &mut Physical<'_>, out: &mut Vec<Frame>) {
-        if !self.core.is_operational() {
+        if !self.device.is_operational() {
             return;
         }
-        self.core.last_sync = Some(self.now);
+        self.device.last_sync = Some(self.now);
         self.sample(physical);
-        self.core.send_synchronous(self.now, out);
-        self.core.apply_pdos();
+        self.device.send_synchronous(self.now, out);
+        self.device.apply_pdos();
         self.act(physical, out, true);
     }
 
     fn serve(&mut self, frame: &Frame, physical: &mut Physical<'_>, out: &mut Vec<Frame>) {
-        if self.core.nmt == NmtState::Stopped {
+        if self.device.nmt == NmtState::Stopped {
             return;
         }
         self.sample(physical);
         let mut server = std::mem::take(&mut self.server);
         if let Some(answer) = server.answer(frame, self) {
-            out.push(Frame::new(self.core.id.sdo_response(), &answer));
+            out.push(Frame::new(self.device.id.sdo_response(), &answer));
         }
         self.server = server;
         if std::mem::take(&mut self.written) {
@@ -338,49 +380,53 @@ impl Node {
     }
 
     fn take_pdo(&mut self, frame: &Frame, physical: &mut Physical<'_>, out: &mut Vec<Frame>) {
-        if self.core.is_operational() && self.core.take_pdo(frame, self.now, out) {
+        if self.device.is_operational() && self.device.take_pdo(frame, self.now, out) {
             self.act(physical, out, true);
         }
     }
 
     fn has_event_timer(&self) -> bool {
-        self.core.is_operational()
-            && self.core.transmit.iter().any(|t| !t.pdo.is_synchronous() && t.pdo.event_us > 0)
+        self.device.is_operational()
+            && self.device.transmit.iter().any(|t| !t.pdo.is_synchronous() && t.pdo.event_us > 0)
     }
 
     fn sample(&mut self, physical: &mut Physical<'_>) {
+        self.sensor.sample(&mut self.device, physical);
         match &mut self.behaviour {
-            Behaviour::Drive(drive) => drive.sample(&mut self.core, physical),
-            Behaviour::Sensor(sensor) => sensor.sample(&mut self.core, physical),
-            Behaviour::Legs(legs) => legs.step(&mut self.core, physical),
+            Behaviour::Drive(drive) => drive.sample(&mut self.device, physical),
+            Behaviour::Legs(legs) => legs.step(&mut self.device, physical),
+            Behaviour::Sensor => {}
         }
     }
 
     /// Lets objects and time have their effect; `commanded` if objects may have changed.
     fn act(&mut self, physical: &mut Physical<'_>, out: &mut Vec<Frame>, commanded: bool) {
         match &mut self.behaviour {
-            Behaviour::Drive(drive) if commanded => drive.step(&mut self.core, physical, out),
-            Behaviour::Drive(drive) => drive.act(&mut self.core, physical),
-            Behaviour::Legs(legs) => legs.step(&mut self.core, physical),
-            Behaviour::Sensor(_) => {}
+            Behaviour::Drive(drive) if commanded => drive.step(&mut self.device, physical, out),
+            Behaviour::Drive(drive) => drive.act(&mut self.device, physical),
+            Behaviour::Legs(legs) => legs.step(&mut self.device, physical),
+            Behaviour::Sensor => {}
         }
     }
 }
 
 impl Objects for Node {
     fn read(&self, object: Object) -> Result<Vec<u8>, Abort> {
-        self.core.dictionary.read(object)
+        self.device.dictionary.read(object)
     }
 
     fn write(&mut self, object: Object, bytes: &[u8]) -> Result<(), Abort> {
-        let number = self.core.dictionary.check_write(object, bytes)?;
-        pdo::check(&self.core.dictionary, object, number)?;
+        let number = self.device.dictionary.check_write(object, bytes)?;
+        pdo::check(&self.device.dictionary, object, number)?;
         if let Behaviour::Drive(drive) = &self.behaviour {
             drive.check(object, number)?;
         }
-        self.core.dictionary.set(object, number);
-        if pdo::is_ours(object.index) || matches!(object.index, 0x1016 | 0x1017) {
-            self.core.refresh(self.now);
+        self.device.dictionary.set(object, number);
+        match object.index {
+            0x1016 => self.device.refresh_consumers(),
+            0x1017 => self.device.refresh_heartbeat(self.now),
+            index if pdo::is_ours(index) => self.device.refresh_pdos(self.now),
+            _ => {}
         }
         self.written = true;
         Ok(())

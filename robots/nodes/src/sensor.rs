@@ -2,7 +2,7 @@
 
 use shapebot_drive::{DataType, Object};
 
-use crate::core::Core;
+use crate::device::Device;
 use crate::{Access, Dictionary, Mappable, Physical, Quantity};
 
 /// What a sensor puts into an object.
@@ -59,7 +59,7 @@ impl Sensor {
         Self { channels: channels.to_vec(), sequence: 0, faults: SensorFaults::default() }
     }
 
-    pub(crate) fn sample(&mut self, core: &mut Core, physical: &mut Physical<'_>) {
+    pub(crate) fn sample(&mut self, device: &mut Device, physical: &mut Physical<'_>) {
         if self.faults.stale {
             return;
         }
@@ -76,7 +76,7 @@ impl Sensor {
                 Reading::Sequence => low + self.sequence.rem_euclid(high - low + 1),
                 Reading::Health => i64::from(self.faults.health),
             };
-            core.dictionary.set(channel.object, number);
+            device.dictionary.set(channel.object, number);
         }
     }
 }

@@ -105,18 +105,19 @@ impl VirtualBus {
         self.idle_at = end + u64::from(INTERMISSION_BITS) * self.bit_ns;
         self.busy += self.idle_at - start;
         self.counted_to = self.idle_at;
-        self.recover(1);
-        let Some(&(from, _)) = senders.first() else { return };
         match outcome {
             Outcome::Delivered | Outcome::Repeated => self.succeed(&senders, frame, outcome),
             Outcome::Error => self.fail(&senders, frame, false),
             Outcome::Unacknowledged => self.fail(&senders, frame, true),
         }
-        let passive = |state| state == ErrorState::Passive;
-        if let Some(sender) = self.endpoints.get_mut(from.0)
-            && passive(sender.health().state)
-        {
-            sender.suspended_until = self.idle_at + SUSPEND_BITS * self.bit_ns;
+        self.recover(1);
+        let pause = self.idle_at + SUSPEND_BITS * self.bit_ns;
+        for (id, _) in &senders {
+            if let Some(sender) = self.endpoints.get_mut(id.0)
+                && sender.health().state == ErrorState::Passive
+            {
+                sender.suspended_until = pause;
+            }
         }
     }
 

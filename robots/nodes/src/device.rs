@@ -88,7 +88,7 @@ pub(crate) struct Transmission {
 const INHIBIT: u64 = 1000;
 
 #[derive(Clone, Debug)]
-pub(crate) struct Core {
+pub(crate) struct Device {
     pub(crate) id: NodeId,
     pub(crate) dictionary: Dictionary,
     factory: Dictionary,
@@ -106,7 +106,7 @@ pub(crate) struct Core {
 const ERROR_REGISTER: Object = object(0x1001, 0);
 const CONSUMERS: u8 = 4;
 
-impl Core {
+impl Device {
     /// The communication objects of a node with a device type; others are added to them.
     pub(crate) fn new(id: NodeId, name: &str, device_type: u32, boot_us: u64) -> Self {
         let mut dictionary = Dictionary::default();
@@ -150,15 +150,31 @@ impl Core {
         self.refresh(now);
     }
 
-    /// Takes over PDOs and timers after their objects have changed.
+    /// Takes over PDOs and timers from their objects.
     pub(crate) fn refresh(&mut self, now: u64) {
+        self.refresh_pdos(now);
+        self.refresh_consumers();
+        self.refresh_heartbeat(now);
+    }
+
+    /// Takes over PDOs after their objects have changed.
+    pub(crate) fn refresh_pdos(&mut self, now: u64) {
         let dictionary = &self.dictionary;
         let receive = pdo::in_use(dictionary, Direction::Receive).into_iter();
         self.receive = receive.map(|pdo| Reception { pdo, waiting: None, last: None }).collect();
         let transmit = pdo::in_use(dictionary, Direction::Transmit).into_iter();
         let start = |pdo| Transmission { pdo, syncs: 0, last: now, sent: None };
         self.transmit = transmit.map(start).collect();
+    }
+
+    /// Takes over 0x1016.
+    pub(crate) fn refresh_consumers(&mut self) {
+        let dictionary = &self.dictionary;
         self.consumers = (1..=CONSUMERS).filter_map(|sub| consumer(dictionary, sub)).collect();
+    }
+
+    /// Takes over 0x1017.
+    pub(crate) fn refresh_heartbeat(&mut self, now: u64) {
         let period = self.heartbeat_period();
         self.heartbeat_at = (period > 0).then_some(now + period);
     }
