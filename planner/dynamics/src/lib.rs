@@ -8,6 +8,7 @@
 mod description;
 mod parameter;
 mod scalar;
+mod sine;
 mod system;
 
 pub use description::{
