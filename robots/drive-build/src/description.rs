@@ -95,6 +95,8 @@ pub struct Axis {
     pub force: Option<u8>,
     /// Indices of its drives' nodes.
     pub drives: Vec<u8>,
+    /// Whether the robot falls without this axis.
+    pub balances: bool,
     /// Counts of each drive's torque object per N·m (or N) at the coordinate.
     pub counts_per_force: f64,
     /// Largest force, N·m or N.
@@ -232,6 +234,7 @@ impl Axis {
             coordinate: self.coordinate,
             force: self.force,
             drives: &self.drives,
+            balances: self.balances,
             counts_per_force: self.counts_per_force as f32,
             limit: self.limit as f32,
             slew: self.slew as f32,

@@ -79,11 +79,14 @@ impl BusLoad {
         self.frames.iter().map(share).sum::<f64>() + 0.0
     }
 
-    /// Seconds that a frame which cannot be interrupted may delay the cycle, once before the inputs and
-    /// once before the commands.
+    /// Seconds that the longest frame outside of the cycle takes: once on the bus it cannot be
+    /// interrupted and delays the cycle, at worst once before the inputs and once before the commands.
+    /// SDO transfers happen before operation and do not count.
     #[must_use]
     pub fn blocking(&self) -> f64 {
-        self.time(8)
+        let outside = |frame: &&LoadFrame| matches!(frame.rate, Rate::Every(_) | Rate::Event);
+        let longest = self.frames.iter().filter(outside).map(|frame| frame.bytes).max();
+        longest.map_or(0.0, |bytes| self.time(bytes))
     }
 
     /// Seconds from the instant at which SYNC is due until the last input is there.

@@ -100,7 +100,7 @@ impl Object {
     /// The entry of a PDO mapping for this object.
     #[must_use]
     pub const fn mapping(self, kind: DataType) -> u32 {
-        (self.index as u32) << 16 | (self.sub as u32) << 8 | 8 * kind.bytes() as u32
+        ((self.index as u32) << 16) | ((self.sub as u32) << 8) | (8 * kind.bytes() as u32)
     }
 }
 
@@ -187,7 +187,7 @@ impl DataType {
     #[must_use]
     pub fn encode(self, value: i64) -> [u8; 4] {
         let (low, high) = self.range();
-        (value.clamp(low, high) as u32).to_le_bytes()
+        (value.max(low).min(high) as u32).to_le_bytes()
     }
 }
 

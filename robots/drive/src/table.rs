@@ -16,6 +16,8 @@ pub const MAX_PAIR: usize = 4;
 pub const MAX_COORDINATES: usize = 12;
 /// Largest number of buses.
 pub const MAX_BUSES: usize = 2;
+/// Largest number of frames that the master sends.
+pub const MAX_COMMANDS: usize = 32;
 /// Largest number of entries of a PDO: eight bytes.
 pub const MAX_ENTRIES: usize = 8;
 
@@ -298,6 +300,8 @@ pub struct AxisTable<'a> {
     pub force: Option<u8>,
     /// Indices into [`DriveTable::nodes`]: each gets the same share.
     pub drives: &'a [u8],
+    /// Whether the robot falls without this axis.
+    pub balances: bool,
     /// Counts of each drive's torque object per N·m (or N) at the coordinate.
     pub counts_per_force: f32,
     /// Largest magnitude of the force, N·m or N.

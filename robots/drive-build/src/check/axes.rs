@@ -42,7 +42,8 @@ impl<'a> Check<'a> {
     fn drives_have_one_axis(&self) {
         for node in &self.source.nodes {
             let Some(kind) = self.type_of(node) else { continue };
-            let named = |axis: &AxisSource| axis.drives.value.iter().any(|d| d.value == node.name.value);
+            let named =
+                |axis: &AxisSource| axis.drives.value.iter().any(|d| d.value == node.name.value);
             let count = self.source.axes.iter().filter(|axis| named(axis)).count();
             let expected = usize::from(kind.motor.is_some());
             self.complaints.demand(count == expected, &node.name.spot, || match expected {
@@ -82,7 +83,10 @@ impl<'a> Check<'a> {
             let found = 1.0 / (count * ratio * each);
             let same = per_force.is_none_or(|other| other == found);
             self.complaints.demand(same, &source.name.spot, || {
-                format!("drives of `{}` do not share a torque unit: one number goes to all", name.value)
+                format!(
+                    "drives of `{}` do not share a torque unit: one number goes to all",
+                    name.value
+                )
             });
             per_force = Some(found);
             self.motor_suffices(axis, kind, motor, axis.force.value / (count * ratio), each);
@@ -107,11 +111,21 @@ impl<'a> Check<'a> {
             coordinate: coordinate.map(|index| index as u8),
             force,
             drives,
+            balances: self.balances(coordinate),
             counts_per_force: per_force,
             limit: axis.force.value,
             slew: axis.slew,
             pair_tolerance: axis.pair_tolerance.as_ref().map_or(f64::INFINITY, |said| said.value),
         })
+    }
+
+    /// Whether the robot falls without this coordinate's drive: actuated position coordinates balance
+    /// what leans; without any, all drives count.
+    fn balances(&self, coordinate: Option<usize>) -> bool {
+        let Some(coordinate) = coordinate else { return false };
+        let all = self.model.coordinates;
+        let position = |c: &Coordinate| c.role == Role::Position && c.actuated;
+        position(&all[coordinate]) || !all.iter().any(position)
     }
 
     /// Indices of the axis' drives.
@@ -166,7 +180,8 @@ impl<'a> Check<'a> {
                 None
             }
             (Ratio::Length(_), true) => {
-                let message = "the coordinate is in rad: expected a number or { ball, roller, gear }";
+                let message =
+                    "the coordinate is in rad: expected a number or { ball, roller, gear }";
                 self.complaints.add(&axis.ratio.spot, message);
                 None
             }
@@ -195,7 +210,10 @@ impl<'a> Check<'a> {
         let actuator = actuators.get(usize::from(index))?;
         self.complaints.demand(axis.force.value <= actuator.limit, &axis.force.spot, || {
             let (found, limit) = (figure(axis.force.value), figure(actuator.limit));
-            format!("{found} {0}; the model's `{1}` ends at {limit} {0}", actuator.unit, actuator.name)
+            format!(
+                "{found} {0}; the model's `{1}` ends at {limit} {0}",
+                actuator.unit, actuator.name
+            )
         });
         Some(index)
     }
@@ -334,4 +352,3 @@ impl<'a> Check<'a> {
 fn force_unit(axis: &AxisSource) -> &'static str {
     if axis.is_torque { "N*m" } else { "N" }
 }
-

@@ -193,8 +193,10 @@ impl<'a> Check<'a> {
         if let Some(wanted) = wanted {
             self.complaints.demand(step <= wanted.value, &wanted.spot, || {
                 let found = figure(step);
-                format!("{what}: one count is {found} {unit}, at most {} {unit} are wanted",
-                    figure(wanted.value))
+                format!(
+                    "{what}: one count is {found} {unit}, at most {} {unit} are wanted",
+                    figure(wanted.value)
+                )
             });
         }
         let wanted = wanted.map(|wanted| wanted.value);
@@ -208,7 +210,13 @@ pub(crate) fn figure(value: f64) -> String {
     if size != 0.0 && !(1e-2..1e5).contains(&size) {
         return format!("{value:.3e}");
     }
-    let digits = if size >= 1000.0 { 0 } else if size >= 100.0 { 1 } else { 3 };
+    let digits = if size >= 1000.0 {
+        0
+    } else if size >= 100.0 {
+        1
+    } else {
+        3
+    };
     let text = format!("{value:.digits$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()

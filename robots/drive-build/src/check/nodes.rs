@@ -47,16 +47,22 @@ impl Check<'_> {
         }
     }
 
-    fn node(&self, node: &NodeSource, axes: &[Option<Axis>], timing: Option<&Timing>) -> Option<Node> {
+    fn node(
+        &self,
+        node: &NodeSource,
+        axes: &[Option<Axis>],
+        timing: Option<&Timing>,
+    ) -> Option<Node> {
         let kinds = self.source.types.iter().map(|kind| kind.name.value.as_str());
         let at = self.index_of("type", &node.kind, kinds)?;
         let kind = &self.source.types[usize::from(at)];
         let bus = self.bus_index(&node.bus)?;
         let id = NodeId::new(node.id.value)?;
         if kind.motor.is_none() {
-            for spot in [node.sign.as_ref().map(|s| &s.spot), node.sign_in_drive.as_ref().map(|s| &s.spot)]
-                .into_iter()
-                .flatten()
+            for spot in
+                [node.sign.as_ref().map(|s| &s.spot), node.sign_in_drive.as_ref().map(|s| &s.spot)]
+                    .into_iter()
+                    .flatten()
             {
                 self.complaints.add(spot, "goes with drives");
             }
@@ -96,7 +102,8 @@ impl Check<'_> {
     fn motor(&self, node: &NodeSource, axes: &[Option<Axis>]) -> Option<MotorTable> {
         let (kind, motor) = self.motor_of(node)?;
         let source = self.axis_of(node)?;
-        let at = axes.iter().position(|a| a.as_ref().is_some_and(|a| a.name == source.name.value))?;
+        let at =
+            axes.iter().position(|a| a.as_ref().is_some_and(|a| a.name == source.name.value))?;
         let axis = axes[at].as_ref()?;
         let ratio = self.ratio_of(source, &axis.unit)?;
         let per_count = self.torque_per_count(kind, motor)?;
@@ -170,9 +177,10 @@ impl Check<'_> {
                 demand(Signal::Statusword, true, "statusword");
                 demand(Signal::ModeDisplay, true, "mode-display");
                 let yaw = self.source.yaw.as_ref().and_then(|yaw| yaw.axis.as_ref());
-                let axis = self.source.axes.iter().find(|axis| {
-                    axis.drives.value.iter().any(|drive| drive.value == node.name)
-                });
+                let axis =
+                    self.source.axes.iter().find(|axis| {
+                        axis.drives.value.iter().any(|drive| drive.value == node.name)
+                    });
                 let is_yaw = yaw.is_some_and(|yaw| axis.is_some_and(|a| a.name.value == yaw.value));
                 if !is_yaw {
                     demand(Signal::Position, true, "position");
@@ -203,7 +211,8 @@ impl Check<'_> {
     pub(super) fn presence(&self, nodes: &[Option<Node>]) {
         let legs = nodes.iter().flatten().filter(|node| node.role == Role::Legs).count();
         let spot = &self.source.robot.spot;
-        self.complaints.demand(legs <= 1, spot, || format!("{legs} nodes are legs, at most one can be"));
+        self.complaints
+            .demand(legs <= 1, spot, || format!("{legs} nodes are legs, at most one can be"));
     }
 
     /// Steps and ranges of measured signals.
@@ -212,30 +221,31 @@ impl Check<'_> {
         for entry in node.transmit.iter().flat_map(Pdo::entries) {
             let lean = |index: u8| self.lean().any(|(lean, _)| lean == usize::from(index));
             let coordinate = |index: u8| &self.model.coordinates[usize::from(index)];
-            let (what, unit, needed, wanted): (_, &str, f64, Option<&Said<f64>>) = match entry.signal {
-                Signal::Coordinate(at) if lean(at) => {
-                    let limit = safety.lean_limit.value;
-                    (coordinate(at).name.to_owned(), "rad", limit, safety.lean_step.as_ref())
-                }
-                Signal::Rate(at) if lean(at) => {
-                    let name = format!("rate of {}", coordinate(at).name);
-                    (name, "rad/s", safety.lean_rate_start, safety.lean_rate_step.as_ref())
-                }
-                Signal::Coordinate(at) => {
-                    let c = coordinate(at);
-                    let bounds = c.lower.abs().max(c.upper.abs());
-                    let needed = if bounds.is_finite() { bounds } else { 0.0 };
-                    (c.name.to_owned(), c.unit, needed, None)
-                }
-                Signal::Rate(at) => {
-                    let per_second = if coordinate(at).unit == "m" { "m/s" } else { "rad/s" };
-                    (format!("rate of {}", coordinate(at).name), per_second, 0.0, None)
-                }
-                Signal::Heading => ("heading".into(), "rad", std::f64::consts::PI, None),
-                Signal::HeadingRate => ("heading rate".into(), "rad/s", 0.0, None),
-                Signal::Yaw => ("yaw".into(), "rad", std::f64::consts::PI, None),
-                _ => continue,
-            };
+            let (what, unit, needed, wanted): (_, &str, f64, Option<&Said<f64>>) =
+                match entry.signal {
+                    Signal::Coordinate(at) if lean(at) => {
+                        let limit = safety.lean_limit.value;
+                        (coordinate(at).name.to_owned(), "rad", limit, safety.lean_step.as_ref())
+                    }
+                    Signal::Rate(at) if lean(at) => {
+                        let name = format!("rate of {}", coordinate(at).name);
+                        (name, "rad/s", safety.lean_rate_start, safety.lean_rate_step.as_ref())
+                    }
+                    Signal::Coordinate(at) => {
+                        let c = coordinate(at);
+                        let bounds = c.lower.abs().max(c.upper.abs());
+                        let needed = if bounds.is_finite() { bounds } else { 0.0 };
+                        (c.name.to_owned(), c.unit, needed, None)
+                    }
+                    Signal::Rate(at) => {
+                        let per_second = if coordinate(at).unit == "m" { "m/s" } else { "rad/s" };
+                        (format!("rate of {}", coordinate(at).name), per_second, 0.0, None)
+                    }
+                    Signal::Heading => ("heading".into(), "rad", std::f64::consts::PI, None),
+                    Signal::HeadingRate => ("heading rate".into(), "rad/s", 0.0, None),
+                    Signal::Yaw => ("yaw".into(), "rad", std::f64::consts::PI, None),
+                    _ => continue,
+                };
             let step = f64::from(entry.scale).abs();
             let (low, high) = entry.kind.range();
             // The smaller side of zero; an unsigned angle may wrap.

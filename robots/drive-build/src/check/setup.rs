@@ -41,9 +41,9 @@ impl Check<'_> {
                 self.drive(kind, node, &mut steps);
             }
             for set in &kind.sets {
-                let clash = steps.iter().any(|step| {
-                    matches!(step, SdoStep::Write { object, .. } if *object == set.object)
-                });
+                let clash = steps.iter().any(
+                    |step| matches!(step, SdoStep::Write { object, .. } if *object == set.object),
+                );
                 self.complaints.demand(!clash, &set.spot, || {
                     "this object is written from other keys of the description".to_owned()
                 });
@@ -97,7 +97,9 @@ impl Check<'_> {
             let (found, every) = (kind.heartbeat_timeout.value * 1e3, master * 1e3);
             format!("{found} ms, but the master's heartbeat comes each {every} ms")
         });
-        let Some(timeout) = self.whole(&kind.heartbeat_timeout, 1e3, "ms", 1, 65_535) else { return };
+        let Some(timeout) = self.whole(&kind.heartbeat_timeout, 1e3, "ms", 1, 65_535) else {
+            return;
+        };
         let consumer = u32::from(self.source.operator.master.value) << 16 | timeout;
         steps.push(write(Object::CONSUMER_HEARTBEAT, DataType::U32, consumer));
         let producer = self.whole(&kind.heartbeat, 1e3, "ms", 1, 65_535).unwrap_or(0);

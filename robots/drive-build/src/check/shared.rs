@@ -79,7 +79,11 @@ impl Check<'_> {
         })
     }
 
-    fn shared_fields(&self, shared: &SharedSource, axes: &[Option<Axis>]) -> Option<Vec<SharedField>> {
+    fn shared_fields(
+        &self,
+        shared: &SharedSource,
+        axes: &[Option<Axis>],
+    ) -> Option<Vec<SharedField>> {
         let field = |name: &crate::error::Said<String>| {
             let of_node = self.source.nodes.iter().position(|node| node.name.value == name.value);
             let find = |wanted: &dyn Fn(&Axis) -> bool| {

@@ -60,10 +60,24 @@ const KNOWN: [Known; 16] = {
     const DRIVE: Option<Role> = Some(Role::Drive);
     const LEGS: Option<Role> = Some(Role::Legs);
     [
-        known("controlword", Signal::Controlword, Receive, DRIVE, Some((Object::CONTROLWORD, U16)), Code),
+        known(
+            "controlword",
+            Signal::Controlword,
+            Receive,
+            DRIVE,
+            Some((Object::CONTROLWORD, U16)),
+            Code,
+        ),
         known("mode", Signal::Mode, Receive, DRIVE, Some((Object::MODE, I8)), Code),
         known("torque", Signal::Torque, Receive, DRIVE, Some((Object::TARGET_TORQUE, I16)), Torque),
-        known("statusword", Signal::Statusword, Transmit, DRIVE, Some((Object::STATUSWORD, U16)), Code),
+        known(
+            "statusword",
+            Signal::Statusword,
+            Transmit,
+            DRIVE,
+            Some((Object::STATUSWORD, U16)),
+            Code,
+        ),
         known(
             "mode-display",
             Signal::ModeDisplay,
@@ -72,9 +86,30 @@ const KNOWN: [Known; 16] = {
             Some((Object::MODE_DISPLAY, I8)),
             Code,
         ),
-        known("error", Signal::ErrorRegister, Transmit, None, Some((Object::ERROR_REGISTER, U8)), Code),
-        known("position", Signal::Position, Transmit, DRIVE, Some((Object::POSITION, I32)), Position),
-        known("velocity", Signal::Velocity, Transmit, DRIVE, Some((Object::VELOCITY, I32)), Velocity),
+        known(
+            "error",
+            Signal::ErrorRegister,
+            Transmit,
+            None,
+            Some((Object::ERROR_REGISTER, U8)),
+            Code,
+        ),
+        known(
+            "position",
+            Signal::Position,
+            Transmit,
+            DRIVE,
+            Some((Object::POSITION, I32)),
+            Position,
+        ),
+        known(
+            "velocity",
+            Signal::Velocity,
+            Transmit,
+            DRIVE,
+            Some((Object::VELOCITY, I32)),
+            Velocity,
+        ),
         known(
             "torque-actual",
             Signal::ActualTorque,
@@ -125,7 +160,12 @@ impl Check<'_> {
         }
         let found = self.resolve(kind, name, way)?;
         let scale = self.scale(node, kind, found, name)?;
-        Some(Entry { object: found.object, kind: found.kind, signal: found.signal, scale: scale as f32 })
+        Some(Entry {
+            object: found.object,
+            kind: found.kind,
+            signal: found.signal,
+            scale: scale as f32,
+        })
     }
 
     /// Signal and object of a name.
@@ -206,7 +246,12 @@ impl Check<'_> {
         self.unit(kind, measure, given)
     }
 
-    fn unit(&self, kind: &TypeSource, measure: Measure, given: Option<&Said<String>>) -> Option<Unit> {
+    fn unit(
+        &self,
+        kind: &TypeSource,
+        measure: Measure,
+        given: Option<&Said<String>>,
+    ) -> Option<Unit> {
         let Some(given) = given else {
             return match measure {
                 Measure::Code => Some(Unit::One),
@@ -281,8 +326,9 @@ impl Check<'_> {
 
     /// The axis that names a drive.
     pub(super) fn axis_of(&self, node: &NodeSource) -> Option<&crate::source::AxisSource> {
-        let names =
-            |axis: &&crate::source::AxisSource| axis.drives.value.iter().any(|d| d.value == node.name.value);
+        let names = |axis: &&crate::source::AxisSource| {
+            axis.drives.value.iter().any(|d| d.value == node.name.value)
+        };
         self.source.axes.iter().find(names)
     }
 }

@@ -56,12 +56,14 @@ impl Check<'_> {
     ) -> Option<u32> {
         let exact = time.value * factor;
         let whole = exact.round();
-        let fits = (exact - whole).abs() < 1e-6 && (f64::from(low)..=f64::from(high)).contains(&whole);
+        let fits =
+            (exact - whole).abs() < 1e-6 && (f64::from(low)..=f64::from(high)).contains(&whole);
         if fits {
             return Some(whole as u32);
         }
         let found = super::figure(exact);
-        let message = format!("{found} {unit}; expected a whole number from {low} to {high} {unit}");
+        let message =
+            format!("{found} {unit}; expected a whole number from {low} to {high} {unit}");
         self.complaints.add(&time.spot, message);
         None
     }
@@ -122,7 +124,8 @@ impl Check<'_> {
             frames.push(frame(&name, node.id.heartbeat(), 1, every));
         }
         for command in commands.iter().filter(|command| usize::from(command.bus) == bus) {
-            let rate = if command.cyclic { Rate::Output } else { Rate::Event };
+            let repeat = REPEAT_CYCLES * self.source.timing.period.value;
+            let rate = if command.cyclic { Rate::Output } else { Rate::Every(repeat) };
             frames.push(frame(&command.name, command.cob_id, command.bytes(), rate));
         }
         let master = u16::from(self.source.operator.master.value);
@@ -142,6 +145,9 @@ impl Check<'_> {
 
 /// Cycles from one telemetry frame to the next.
 const TELEMETRY_CYCLES: f64 = shapebot_drive::TELEMETRY_CYCLES as f64;
+
+/// Cycles from one to the next of frames that are sent when their content changes.
+const REPEAT_CYCLES: f64 = shapebot_drive::REPEAT_CYCLES as f64;
 
 fn input_rate(pdo: &Pdo) -> Rate {
     if pdo.is_synchronous() { Rate::Input } else { Rate::Event }

@@ -5,9 +5,7 @@ mod robot;
 
 use crate::error::{Complaints, Errors, Said, Spot};
 use crate::reader::{Context, Table};
-pub(crate) use nodes::{
-    Motor, NodeSource, ObjectSource, PdoSource, TypeSource, Unit,
-};
+pub(crate) use nodes::{Motor, NodeSource, ObjectSource, PdoSource, TypeSource, Unit};
 pub(crate) use robot::{
     AxisSource, BusSource, OperatorSource, Ratio, SafetySource, SharedSource, TimingSource,
     YawSource,
@@ -19,7 +17,6 @@ use toml::de::DeTable;
 pub struct Source {
     pub(crate) file: String,
     pub(crate) name: String,
-    pub(crate) text: String,
     pub(crate) title: String,
     pub(crate) robot: Said<String>,
     pub(crate) timing: TimingSource,
@@ -34,7 +31,8 @@ pub struct Source {
 }
 
 const KEYS: [&str; 11] = [
-    "title", "robot", "timing", "bus", "type", "node", "axis", "shared", "yaw", "safety", "operator",
+    "title", "robot", "timing", "bus", "type", "node", "axis", "shared", "yaw", "safety",
+    "operator",
 ];
 
 impl Source {
@@ -54,7 +52,7 @@ impl Source {
                 return Err(complaints.into_errors());
             }
         };
-        let read = read(file, text, &Table::root(context, &document));
+        let read = read(file, &Table::root(context, &document));
         match read {
             Some(source) if complaints.is_empty() => Ok(source),
             _ => Err(complaints.into_errors()),
@@ -81,7 +79,7 @@ impl Source {
 }
 
 /// The whole file; every part is read before the first missing one ends it.
-fn read(file: &str, text: &str, root: &Table<'_>) -> Option<Source> {
+fn read(file: &str, root: &Table<'_>) -> Option<Source> {
     root.only(&KEYS);
     let title = root.require("title").and_then(|title| title.name());
     let robot = root.require("robot").and_then(|robot| robot.name());
@@ -95,8 +93,7 @@ fn read(file: &str, text: &str, root: &Table<'_>) -> Option<Source> {
     let nodes = each(root, "node", nodes::node);
     let axes = each(root, "axis", robot::axis);
     let shared = root.get("shared").and_then(|value| value.list()).unwrap_or_default();
-    let shared: Vec<_> =
-        shared.iter().filter_map(|entry| robot::shared(&entry.table()?)).collect();
+    let shared: Vec<_> = shared.iter().filter_map(|entry| robot::shared(&entry.table()?)).collect();
     let yaw = root.get("yaw").map(|value| value.table().and_then(|table| robot::yaw(&table)));
     let yaw = match yaw {
         Some(yaw) => Some(yaw?),
@@ -106,7 +103,6 @@ fn read(file: &str, text: &str, root: &Table<'_>) -> Option<Source> {
     Some(Source {
         file: file.to_owned(),
         name: stem.strip_suffix(".toml").unwrap_or(stem).to_owned(),
-        text: text.to_owned(),
         title: title?.value,
         robot: robot?,
         timing: timing?,

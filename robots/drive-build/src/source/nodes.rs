@@ -305,9 +305,9 @@ pub(crate) fn node(name: Said<String>, table: &Table<'_>) -> Option<NodeSource> 
         0_i8 => value.refuse("expected 1 or -1"),
         sign => Some(value.said(sign)),
     });
-    let sign_in_drive = table.get("sign-in").and_then(|value| {
-        Some(value.said(value.word(&[("drive", true), ("master", false)])?))
-    });
+    let sign_in_drive = table
+        .get("sign-in")
+        .and_then(|value| Some(value.said(value.word(&[("drive", true), ("master", false)])?)));
     let serial = table.get("serial").and_then(|value| value.integer(0, u32::MAX.into()));
     Some(NodeSource { name, kind: kind?, bus: bus?, id: id?, sign, sign_in_drive, serial })
 }
