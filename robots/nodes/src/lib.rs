@@ -12,8 +12,12 @@
 mod abort;
 mod attached;
 mod cia402;
+#[cfg(feature = "description")]
+mod described;
 mod device;
 mod dictionary;
+#[cfg(feature = "description")]
+mod drive_unit;
 mod legs;
 mod network;
 mod node;
@@ -25,8 +29,12 @@ mod sensor;
 pub use abort::Abort;
 pub use attached::Attached;
 pub use cia402::{CYCLIC_SYNCHRONOUS_TORQUE, DriveSettings, PowerState};
+#[cfg(feature = "description")]
+pub use described::described;
 pub use device::NmtState;
 pub use dictionary::{Access, Dictionary, Mappable, Value, Variable};
+#[cfg(feature = "description")]
+pub use drive_unit::{DriveUnit, Mechanism, YawAxis};
 pub use network::Network;
 pub use node::{ExtraObject, Node, NodeFault, NodeKind, NodeSettings};
 pub use plant::{Motion, Physical, Plant, Quantity, Rotors};
