@@ -158,6 +158,9 @@ fn drive(
     })
 }
 
+/// An object of a PDO by the PDO's number and the sub-index.
+type Place = fn(u8, u8) -> Object;
+
 /// Objects by their place.
 #[derive(Default)]
 struct Objects(BTreeMap<Object, DictionaryObject>);
@@ -201,7 +204,7 @@ impl Objects {
 
     /// Parameters and mapping of a PDO that is switched off.
     fn pdo(&mut self, receive: bool, number: u8, cob_id: i64) {
-        let (parameters, mapping): (fn(u8, u8) -> Object, fn(u8, u8) -> Object) = if receive {
+        let (parameters, mapping): (Place, Place) = if receive {
             (Object::receive_parameters, Object::receive_mapping)
         } else {
             (Object::transmit_parameters, Object::transmit_mapping)

@@ -63,17 +63,38 @@ pub fn crc32(bytes: &[u8]) -> u32 {
     crc.value()
 }
 
-/// CRC-16 (CCITT, polynomial 0x1021, from 0xFFFF) of bytes.
-#[must_use]
-pub fn crc16(bytes: &[u8]) -> u16 {
-    let mut crc = u16::MAX;
-    for byte in bytes {
-        crc ^= u16::from(*byte) << 8;
-        for _ in 0..8 {
-            crc = if crc & 0x8000 == 0 { crc << 1 } else { (crc << 1) ^ 0x1021 };
+/// A CRC-16 (CCITT, polynomial 0x1021, from 0xFFFF) under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crc16(u16);
+
+impl Crc16 {
+    /// Of nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self(u16::MAX)
+    }
+
+    /// Adds bytes.
+    pub fn add(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 ^= u16::from(*byte) << 8;
+            for _ in 0..8 {
+                self.0 = if self.0 & 0x8000 == 0 { self.0 << 1 } else { (self.0 << 1) ^ 0x1021 };
+            }
         }
     }
-    crc
+
+    /// The checksum so far.
+    #[must_use]
+    pub const fn value(self) -> u16 {
+        self.0
+    }
+}
+
+impl Default for Crc16 {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 #[cfg(test)]
@@ -83,6 +104,8 @@ mod tests {
     #[test]
     fn check_values_are_those_of_the_catalogue() {
         assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
-        assert_eq!(crc16(b"123456789"), 0x29B1);
+        let mut crc = Crc16::new();
+        crc.add(b"123456789");
+        assert_eq!(crc.value(), 0x29B1);
     }
 }

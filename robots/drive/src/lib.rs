@@ -15,6 +15,7 @@ mod jitter;
 pub mod legs;
 mod master;
 mod object;
+pub mod operator;
 pub mod safety;
 pub mod sdo;
 mod table;

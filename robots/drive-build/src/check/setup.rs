@@ -10,6 +10,9 @@ const INVALID: u32 = 1 << 31;
 /// Bit 30 of a transmit PDO's COB-ID: no remote requests.
 const NO_RTR: u32 = 1 << 30;
 
+/// An object of a PDO by the PDO's number and the sub-index.
+type Place = fn(u8, u8) -> Object;
+
 const fn write(object: Object, kind: DataType, value: u32) -> SdoStep {
     SdoStep::Write { object, kind, value }
 }
@@ -140,7 +143,7 @@ impl Check<'_> {
             });
         }
         for number in 1..=kind.pdo_counts[0] {
-            let (parameters, mapping): (fn(u8, u8) -> Object, fn(u8, u8) -> Object) =
+            let (parameters, mapping): (Place, Place) =
                 (Object::receive_parameters, Object::receive_mapping);
             let unused = node.id.rpdo(number);
             let Some(pdo) = node.receive.iter().find(|pdo| pdo.number == number) else {
@@ -155,7 +158,7 @@ impl Check<'_> {
             steps.push(write(parameters(number, 1), DataType::U32, pdo.cob_id.into()));
         }
         for number in 1..=kind.pdo_counts[1] {
-            let (parameters, mapping): (fn(u8, u8) -> Object, fn(u8, u8) -> Object) =
+            let (parameters, mapping): (Place, Place) =
                 (Object::transmit_parameters, Object::transmit_mapping);
             let unused = node.id.tpdo(number);
             let Some(pdo) = node.transmit.iter().find(|pdo| pdo.number == number) else {
@@ -171,13 +174,7 @@ impl Check<'_> {
 }
 
 /// Switches a PDO off and writes transmission type and mapping.
-fn map(
-    steps: &mut Vec<SdoStep>,
-    pdo: &Pdo,
-    flags: u32,
-    parameters: fn(u8, u8) -> Object,
-    mapping: fn(u8, u8) -> Object,
-) {
+fn map(steps: &mut Vec<SdoStep>, pdo: &Pdo, flags: u32, parameters: Place, mapping: Place) {
     let off = INVALID | flags | u32::from(pdo.cob_id);
     steps.push(write(parameters(pdo.number, 1), DataType::U32, off));
     steps.push(write(parameters(pdo.number, 2), DataType::U8, pdo.transmission.into()));

@@ -194,8 +194,11 @@ fn read_identity(table: &Table<'_>) -> Identity {
     Identity { vendor: number("vendor"), product: number("product") }
 }
 
+/// Key, object, words with their values, default.
+type Reaction = (&'static str, Object, &'static [(&'static str, i16)], i16);
+
 /// Words of the reactions, with the values that the standard gives them, and the default.
-const REACTIONS: [(&str, Object, &[(&str, i16)], i16); 6] = [
+const REACTIONS: [Reaction; 6] = [
     (
         "connection-lost",
         Object::ABORT_CONNECTION,

@@ -13,24 +13,24 @@ macro_rules! models {
 const MODELS: &[(&Description, &str)] = shapebot_generated::for_each_system!(models);
 
 /// The model of a bundled robot.
-pub fn model(name: &str) -> &'static Description {
+pub(crate) fn model(name: &str) -> &'static Description {
     let found = MODELS.iter().find(|(_, other)| *other == name);
     found.unwrap_or_else(|| panic!("no model `{name}`")).0
 }
 
 /// Names of the bundled descriptions.
-pub fn names() -> impl Iterator<Item = &'static str> {
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     shapebot_drives::DRIVES.iter().map(|(name, _)| *name)
 }
 
 /// Checks a text as a description.
-pub fn check(text: &str) -> Result<DriveDescription, Errors> {
+pub(crate) fn check(text: &str) -> Result<DriveDescription, Errors> {
     let source = Source::parse("d.toml", text)?;
     source.check(model(source.robot()))
 }
 
 /// A bundled description.
-pub fn description(name: &str) -> Result<DriveDescription, Errors> {
+pub(crate) fn description(name: &str) -> Result<DriveDescription, Errors> {
     let text = shapebot_drives::text(name).unwrap_or_else(|| panic!("no drive `{name}`"));
     let source = Source::parse(&format!("{name}.toml"), text)?;
     source.check(model(source.robot()))

@@ -35,6 +35,7 @@ impl Master<'_> {
         }
         for node in &mut self.nodes {
             node.received = 0;
+            node.synchronised = node.is_running();
         }
         self.taken = false;
         self.commanded = false;
@@ -64,7 +65,8 @@ impl Master<'_> {
         for (index, table) in self.table.nodes.iter().enumerate() {
             let Some(state) = self.nodes.get_mut(index) else { continue };
             let expected = synchronous(table.transmit);
-            if !state.is_running() || state.received & expected == expected {
+            let waited_for = state.is_running() && state.synchronised;
+            if !waited_for || state.received & expected == expected {
                 state.missed = 0;
                 continue;
             }

@@ -182,6 +182,7 @@ impl<'a> Master<'a> {
             }
             _ => match self.find_input(bus, id) {
                 Some((index, pdo)) => self.input(index, pdo, frame, now),
+                None if self.is_operators(bus, id) => {}
                 None if self.is_ours(bus, id) => {
                     self.raise(Fault::ForeignMaster, None, now, id.into())
                 }
@@ -301,6 +302,12 @@ impl<'a> Master<'a> {
         self.nodes.get(node).map_or(0.0, |state| state.torque)
     }
 
+    /// The inputs of the last cycle: see [`Self::measure`].
+    #[must_use]
+    pub const fn measurement(&self) -> &Measurement {
+        &self.measurement
+    }
+
     /// Counts of the torque object that each drive of an axis was last sent, before its sign.
     #[must_use]
     pub fn torque_counts(&self, axis: usize) -> i32 {
@@ -332,6 +339,12 @@ impl<'a> Master<'a> {
         let wanted = key(u8::try_from(bus).ok()?, id);
         let at = used.binary_search_by_key(&wanted, |(key, ..)| *key).ok()?;
         used.get(at).map(|(_, node, pdo)| (usize::from(*node), usize::from(*pdo)))
+    }
+
+    /// Whether the frame is one for [`crate::operator`].
+    fn is_operators(&self, bus: usize, id: u16) -> bool {
+        let operator = &self.table.operator;
+        id == operator.command && usize::from(operator.bus) == bus
     }
 
     /// Whether only the master sends this identifier.

@@ -43,6 +43,8 @@ pub(super) struct NodeState {
     pub(super) operational: bool,
     /// Whether a transmit PDO came since it was started.
     pub(super) reported: bool,
+    /// Whether it was running at the last SYNC.
+    pub(super) synchronised: bool,
     /// Transmit PDOs of this cycle, a bit each.
     pub(super) received: u8,
     /// Cycles in a row in which one was missing.
@@ -76,6 +78,7 @@ impl NodeState {
         heard: 0,
         operational: false,
         reported: false,
+        synchronised: false,
         received: 0,
         missed: 0,
         statusword: 0,
