@@ -5,9 +5,9 @@
 #![cfg(unix)]
 
 mod common;
+mod peers;
 
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -18,33 +18,7 @@ use shapebot_bus::{Bus as _, Effect, Frame, Select};
 use shapebot_nodes::{Attached, PowerState, Rotors};
 
 use common::ByHand as _;
-
-fn root() -> PathBuf {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.ancestors().nth(2).unwrap_or(here).to_path_buf()
-}
-
-/// The interpreter with the packages, or a line that says that it is not there.
-fn python() -> Option<PathBuf> {
-    let python = root().join("target/venv/bin/python");
-    let check = Command::new(&python)
-        .args(["-c", "import can, canopen, cantools, serial"])
-        .stderr(Stdio::null())
-        .status();
-    if check.is_ok_and(|status| status.success()) {
-        return Some(python);
-    }
-    let required = std::env::var("SHAPEBOT_REQUIRE").unwrap_or_default();
-    let why = "Python's canopen is not in target/venv: run tests/peers/can/setup.sh";
-    let listed = |word: &str| matches!(word.trim(), "canopen" | "all");
-    assert!(!required.split(',').any(listed), "SHAPEBOT_REQUIRE wants `canopen`: {why}");
-    let _ = writeln!(std::io::stderr(), "skipped (canopen): {why}");
-    None
-}
-
-fn script(name: &str) -> PathBuf {
-    root().join("tests/peers/can").join(name)
-}
+use peers::{python, root, script};
 
 #[test]
 fn base_node_402_of_python_canopen_drives_the_simulated_drive_over_slcan() {

@@ -1,27 +1,13 @@
 //! The bundled drives: our master against the simulated nodes of its description, over frames.
 
-mod common;
+mod descriptions;
 
+use descriptions::description;
 use shapebot_bus::{Frame, VirtualBus};
 use shapebot_drive::safety::{Request, State};
 use shapebot_drive::{Command, DriveTable, Fault, Master, Measurement};
-use shapebot_drive_build::{DriveDescription, Source};
-use shapebot_dynamics::Description;
+use shapebot_drive_build::DriveDescription;
 use shapebot_nodes::{DriveUnit, Mechanism, Network, Node, NodeFault, YawAxis, described};
-
-macro_rules! models {
-    ($({ $name:literal, $module:ident, $($rest:tt)* })*) => {
-        &[$((&shapebot_generated::$module::DESCRIPTION, $name)),*]
-    };
-}
-
-const MODELS: &[(&Description, &str)] = shapebot_generated::for_each_system!(models);
-
-fn description(name: &str) -> DriveDescription {
-    let source = Source::parse(name, shapebot_drives::text(name).unwrap()).unwrap();
-    let model = MODELS.iter().find(|(_, robot)| *robot == source.robot()).unwrap().0;
-    source.check(model).unwrap_or_else(|errors| panic!("{errors}"))
-}
 
 /// Coordinates that do not feel each other, each with inertia 1.
 #[derive(Debug)]
