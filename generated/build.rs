@@ -4,6 +4,6 @@ use shapebot_codegen::{Build, BuildError};
 
 fn main() -> Result<(), BuildError> {
     let models = shapebot_models::MODELS.iter();
-    let build = models.fold(Build::new(), |build, (name, text)| build.text(*name, *text));
+    let build = models.fold(Build::new().with(shapebot_synthesis::control), |build, (name, text)| build.text(*name, *text));
     build.generate_collection("robots")
 }

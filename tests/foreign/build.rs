@@ -1,5 +1,6 @@
 //! The README's build script.
 
 fn main() -> Result<(), shapebot_codegen::BuildError> {
-    shapebot_codegen::Build::new().model("models/my_robot.robot").generate()
+    let build = shapebot_codegen::Build::new().model("models/my_robot.robot");
+    build.with(shapebot_synthesis::control).generate()
 }

@@ -7,6 +7,8 @@
 //! ```
 //!
 //! and in the crate: `shapebot_dynamics::include_model!("my_robot");`
+//!
+//! [`Build::with`] lets other crates add items to the modules, such as the gains of a controller.
 
 mod error;
 #[cfg(test)]
@@ -26,6 +28,20 @@ pub struct Build {
     sources: Vec<Source>,
     bake: bool,
     out_dir: Option<PathBuf>,
+    extensions: Vec<Extension>,
+}
+
+/// Makes further items for the module of a derivation, see [`Build::with`].
+pub type Extension = fn(&Derivation) -> Addition;
+
+/// What an [`Extension`] adds to a module.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Addition {
+    /// Rust items with their documentation; paths begin with `::`. Text that is no Rust ends up as a
+    /// compile error of the module.
+    pub items: String,
+    /// Messages that cargo is to show.
+    pub warnings: Vec<String>,
 }
 
 #[derive(Clone, Debug)]
@@ -79,6 +95,17 @@ impl Build {
     #[must_use]
     pub fn bake_parameters(mut self) -> Self {
         self.bake = true;
+        self
+    }
+
+    /// Adds what an extension makes of each model to its module.
+    ///
+    /// ```text
+    /// Build::new().model("models/my_robot.robot").with(shapebot_synthesis::control).generate()
+    /// ```
+    #[must_use]
+    pub fn with(mut self, extension: Extension) -> Self {
+        self.extensions.push(extension);
         self
     }
 
@@ -160,7 +187,7 @@ impl Build {
                 (name.clone(), format!("{name}.robot"), text.clone().into_bytes())
             }
         };
-        module(&stem, &name, &bytes, self.bake)
+        module(&stem, &name, &bytes, self)
     }
 
     fn announce(&self) {
@@ -180,7 +207,7 @@ impl Build {
 }
 
 /// One module from the bytes of a model file.
-fn module(stem: &str, name: &str, bytes: &[u8], bake: bool) -> Result<Module, BuildError> {
+fn module(stem: &str, name: &str, bytes: &[u8], build: &Build) -> Result<Module, BuildError> {
     let text = String::from_utf8_lossy(bytes);
     let refuse = |diagnostics: &[Diagnostic]| BuildError::Model {
         path: PathBuf::from(name),
@@ -190,27 +217,43 @@ fn module(stem: &str, name: &str, bytes: &[u8], bake: bool) -> Result<Module, Bu
     let Some(model) = parsed.model else { return Err(refuse(&parsed.diagnostics)) };
     let (equations, certificate) = prove(&model).map_err(|diagnostics| refuse(&diagnostics))?;
     let runtime = specialise(&model, &equations, &certificate, Parameters::Symbolic);
-    let baked = bake.then(|| specialise(&model, &equations, &certificate, Parameters::Baked));
+    let baked = build.bake.then(|| specialise(&model, &equations, &certificate, Parameters::Baked));
     let mut warnings = parsed.diagnostics;
     warnings.extend(certificate.warnings);
-    let warnings = warnings
+    let mut warnings: Vec<String> = warnings
         .iter()
         .map(|warning| rendered(std::slice::from_ref(warning), name, &text))
         .collect();
-    Ok(Module { warnings, ..emitted(stem, &runtime, baked.as_ref()) })
+    let additions: Vec<Addition> =
+        build.extensions.iter().map(|extension| extension(&runtime)).collect();
+    warnings.extend(additions.iter().flat_map(|addition| addition.warnings.iter().cloned()));
+    Ok(Module { warnings, ..emitted_with(stem, &runtime, baked.as_ref(), &additions) })
 }
 
 /// The module of a derivation, and of a second one with its parameters baked.
 #[must_use]
 pub fn emitted(stem: &str, runtime: &Derivation, baked: Option<&Derivation>) -> Module {
+    emitted_with(stem, runtime, baked, &[])
+}
+
+/// As [`emitted`], with further items.
+#[must_use]
+pub fn emitted_with(
+    stem: &str,
+    runtime: &Derivation,
+    baked: Option<&Derivation>,
+    additions: &[Addition],
+) -> Module {
     let model = &runtime.model;
     let documentation = documentation(runtime);
+    let additional: Vec<String> = additions.iter().map(|a| a.items.clone()).collect();
     let text = emit(&Emission {
         stem,
         model,
         functions: &runtime.functions,
         baked: baked.map(|derivation| &derivation.functions),
         documentation: &documentation,
+        additional: &additional,
     });
     Module {
         stem: stem.to_owned(),

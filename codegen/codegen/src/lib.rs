@@ -7,4 +7,4 @@ pub mod emit;
 pub mod equations;
 pub mod proof;
 
-pub use build::{Build, BuildError, Module};
+pub use build::{Addition, Build, BuildError, Extension, Module};

@@ -5,6 +5,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod control;
 mod description;
 mod parameter;
 mod scalar;

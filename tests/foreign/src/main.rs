@@ -1,5 +1,6 @@
-//! Prints a few functions of a generated robot, one per line.
+//! Prints a few functions of a generated robot, and what its controller does, one per line.
 
+use shapebot_control::{Controller, Gains, State, Target};
 use shapebot_dynamics::nalgebra::{Vector1, Vector2};
 use shapebot_dynamics::{LagrangianSystem, Ordered, Robot};
 
@@ -27,4 +28,9 @@ fn main() {
     let heavier = my_robot::Params { m_c: 2.5, ..my_robot::Params::model() };
     let heavier = my_robot::MyRobot::<f64>::try_new(heavier).expect("parameters in range");
     println!("{}", heavier.mass_matrix(&Vector2::zeros())[(0, 0)]);
+    let gains = Gains::from_design(&robot, &my_robot::CONTROL).expect("gains of this robot");
+    let mut controller = Controller::new(&robot, &gains).expect("a controller");
+    let leaning = State { q: Vector2::new(0.0, 0.05), qd: Vector2::zeros() };
+    let command = controller.step(&leaning, &Target::stand(Vector1::zeros()));
+    println!("{}", command.actuator[0]);
 }

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 pub mod checkout;
+pub mod closed_loop;
 pub mod checks;
 pub mod compare;
 pub mod copies;

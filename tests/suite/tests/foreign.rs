@@ -28,7 +28,7 @@ fn five_lines_of_build_script_make_a_robot() {
     write_if_changed(&folder.join("Cargo.lock"), read("Cargo.lock").as_bytes());
     let printed = cargo(&folder, &target, &["run", "--quiet", "--offline"], "");
     let numbers: Vec<f64> = printed.lines().map(|line| line.parse().expect("a number")).collect();
-    assert_eq!(numbers.len(), 15, "{printed}");
+    assert_eq!(numbers.len(), 16, "{printed}");
     for (index, expected) in expected().into_iter().enumerate() {
         let (double, single) = (numbers[index], numbers[7 + index]);
         assert!(
@@ -38,6 +38,8 @@ fn five_lines_of_build_script_make_a_robot() {
         assert!((single / expected - 1.0).abs() < 1e-6, "number {index}: {single}, not {expected}");
     }
     assert!((numbers[14] - 2.7).abs() < 1e-15, "a heavier cart: {}", numbers[14]);
+    // More than the (m_c + m_p) g φ that would hold the lean, towards it.
+    assert!(numbers[15] > 1.7 * 9.81 * 0.05 && numbers[15] < 10.0, "a force: {}", numbers[15]);
 }
 
 #[test]

@@ -120,7 +120,7 @@ fn libraries_forbid_unsafe_code() {
 
 #[test]
 fn runtime_crates_need_no_standard_library() {
-    for folder in ["planner/dynamics", "planner/planner", "generated", "robots/models"] {
+    for folder in ["planner/dynamics", "planner/planner", "generated", "robots/models", "robots/control"] {
         let text = read(&format!("{folder}/src/lib.rs"));
         assert!(text.contains("#![no_std]"), "{folder}");
     }

@@ -79,3 +79,22 @@ fn a_collection_lists_what_it_includes() {
     assert!(list.contains("{ \"cart\", cart, Cart, CartBaked, 1, 1, 0 }"));
     syn::parse_file(&list).expect("Rust");
 }
+
+#[test]
+fn extensions_add_items_and_warnings() {
+    fn extension(derivation: &Derivation) -> Addition {
+        let n = derivation.model.coordinates.len();
+        let items = format!("/// Coordinates.\npub const COUNT: usize = {n};");
+        Addition { items, warnings: vec!["mind the step".into()] }
+    }
+    fn broken(_: &Derivation) -> Addition {
+        Addition { items: "pub const = ;".into(), warnings: Vec::new() }
+    }
+    let build = Build::new().text("cart", CART).with(extension);
+    let module = build.clone().modules().expect("a module").remove(0);
+    let added = "    /// Coordinates.\n    pub const COUNT: usize = 1;\n";
+    assert!(module.text.contains(added), "{}", module.text);
+    assert_eq!(module.warnings, ["mind the step"]);
+    let module = build.with(broken).modules().expect("a module").remove(0);
+    assert!(module.text.contains("compile_error!"), "{}", module.text);
+}

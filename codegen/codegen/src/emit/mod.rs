@@ -43,6 +43,8 @@ pub struct Emission<'a> {
     pub baked: Option<&'a BTreeMap<Quantity, Function>>,
     /// Equations and certificate for the module's page.
     pub documentation: &'a Documentation,
+    /// Texts of further items.
+    pub additional: &'a [String],
 }
 
 /// Names under which a module and its types are found.
@@ -130,6 +132,7 @@ fn items(
         ),
         description::description(emission, symbols),
     ];
+    items.extend(emission.additional.iter().flat_map(|text| additional(text)));
     items.extend(parameters::params(model, symbols));
     items.extend(parameters::robot(&names.robot, model, symbols, &hoisted));
     let robot = syntax::ident(&names.robot);
@@ -169,6 +172,17 @@ fn items(
     }
     items.extend(helpers());
     items
+}
+
+/// Items from their text, or an item that says why it is none.
+fn additional(text: &str) -> Vec<Item> {
+    match syn::parse_str::<syn::File>(text) {
+        Ok(file) => file.items,
+        Err(error) => {
+            let message = format!("an extension of the generator wrote no Rust: {error}");
+            vec![syn::parse_quote!(compile_error!(#message);)]
+        }
+    }
 }
 
 /// Between arrays and matrices or vectors.

@@ -1,0 +1,184 @@
+//! The parts of a step.
+
+use crate::Controller;
+use crate::Target;
+use crate::clamp::{clamp, clamp_all};
+use crate::controller::Memory;
+use crate::linear_algebra::solve_definite;
+use nalgebra::{SMatrix, SVector};
+use shapebot_dynamics::{Motion, Ordered, Robot};
+
+/// Deviation of a state from its target.
+pub(crate) struct Deviation<T: Ordered, const NX: usize, const NS: usize> {
+    pub(crate) position: SVector<T, NX>,
+    pub(crate) velocity: SVector<T, NX>,
+    pub(crate) shape: SVector<T, NS>,
+    pub(crate) rate: SVector<T, NS>,
+}
+
+/// What the outer loop asks for.
+pub(crate) struct Outer<T: Ordered, const NX: usize, const NS: usize> {
+    /// q_s^c, Eq. 36.
+    pub(crate) compensation: SVector<T, NS>,
+    /// Shape against the offset of the measured shape.
+    pub(crate) trim: SVector<T, NS>,
+    /// Error of the output in units of q_x.
+    pub(crate) position_error: SVector<T, NX>,
+    /// The compensation met a limit.
+    pub(crate) limited: bool,
+}
+
+/// Shape errors: q_s less plan, compensation and trim.
+pub(crate) struct Errors<T: Ordered, const NX: usize, const NS: usize> {
+    pub(crate) shape: SVector<T, NS>,
+    /// e = K⁰_u times that of the unactuated shape.
+    pub(crate) lean: SVector<T, NX>,
+}
+
+impl<R, T, const N: usize, const NX: usize, const NS: usize> Controller<'_, R, T, N, NX, NS>
+where
+    R: Robot<T, N, NX, NS>,
+    T: Ordered,
+{
+    /// u_c = −k_x δx − k_v δẋ and the shape q_s^c = K⁰_qx u_c (Eq. 36) within its limits.
+    pub(crate) fn outer(
+        &self,
+        memory: &Memory<T, N, NX, NS>,
+        deviation: &Deviation<T, NX, NS>,
+        target: &Target<T, N, NX, NS>,
+    ) -> Outer<T, NX, NS> {
+        let gains = &self.gains;
+        let along = &self.plant.output_shape;
+        let position_error = deviation.position + along * deviation.shape;
+        let velocity_error = deviation.velocity + along * deviation.rate;
+        let acceleration = -(gains.position.component_mul(&position_error)
+            + gains.velocity.component_mul(&velocity_error));
+        let wanted = self.compensation_gain * acceleration;
+        let step = gains.compensation_slew * gains.period;
+        let slewed = memory.compensation + clamp_all(&(wanted - memory.compensation), &step);
+        let clipped = clamp_all(&slewed, &gains.compensation_limit);
+        let compensation = self.within_range(&clipped, &target.shape[0]);
+        let trim =
+            clamp_all(&-(self.plant.body_gain * memory.offset.offset), &gains.compensation_limit);
+        Outer { compensation, trim, position_error, limited: compensation != wanted }
+    }
+
+    /// Compensation that leaves the shape in its range, or does not lead it further out.
+    fn within_range(
+        &self,
+        compensation: &SVector<T, NS>,
+        planned: &SVector<T, NS>,
+    ) -> SVector<T, NS> {
+        let (lower, upper) = (self.plant.lower - planned, self.plant.upper - planned);
+        let zero = T::zero();
+        SVector::from_fn(|i, _| {
+            let lower = if lower[i] < zero { lower[i] } else { zero };
+            let upper = if upper[i] > zero { upper[i] } else { zero };
+            clamp(compensation[i], lower, upper)
+        })
+    }
+
+    /// Errors of the shape against what the outer loop made of the plan.
+    pub(crate) fn errors(
+        &self,
+        deviation: &Deviation<T, NX, NS>,
+        outer: &Outer<T, NX, NS>,
+    ) -> Errors<T, NX, NS> {
+        let shape = deviation.shape - outer.compensation - outer.trim;
+        Errors { shape, lean: self.plant.lean_gain * shape }
+    }
+
+    /// Forces on the position variables after their limits:
+    /// M_xx (k_p e + k_d ė + k_i ∫e + K⁰_qs q_s^c) − d̂ + feedforward.
+    pub(crate) fn balance(
+        &self,
+        memory: &Memory<T, N, NX, NS>,
+        deviation: &Deviation<T, NX, NS>,
+        outer: &Outer<T, NX, NS>,
+        error: &Errors<T, NX, NS>,
+        motion: &Motion<T, N>,
+        target: &Target<T, N, NX, NS>,
+    ) -> SVector<T, N> {
+        let gains = &self.gains;
+        let rate = self.plant.lean_gain * deviation.rate;
+        let acceleration = gains.lean.component_mul(&error.lean)
+            + gains.lean_rate.component_mul(&rate)
+            + gains.lean_integral.component_mul(&memory.lean_integral)
+            + self.plant.shape_gain * outer.compensation;
+        let inertia: SMatrix<T, NX, NX> = motion.mass_matrix.fixed_view::<NX, NX>(0, 0).into();
+        let (planned, _) = R::split(&target.force);
+        let force = inertia * acceleration + planned - memory.momentum.disturbance;
+        SVector::from_fn(|i, _| if i < NX { force[i] } else { T::zero() })
+    }
+
+    /// Adds the forces on servoed shape variables by computed torque: with the forces on the position
+    /// variables given, exactly those that produce the wanted accelerations.
+    pub(crate) fn servo(
+        &self,
+        memory: &Memory<T, N, NX, NS>,
+        deviation: &Deviation<T, NX, NS>,
+        error: &Errors<T, NX, NS>,
+        (motion, drag): &(Motion<T, N>, SVector<T, N>),
+        target: &Target<T, N, NX, NS>,
+        balance: &SVector<T, N>,
+    ) -> SVector<T, N> {
+        if !self.plant.has_servo {
+            return *balance;
+        }
+        let gains = &self.gains;
+        let (rate, two) = (gains.servo_rate, T::from_f64(2.0));
+        let wanted = target.shape[2]
+            - error.shape * (rate * rate)
+            - deviation.rate * (two * gains.servo_damping * rate)
+            - memory.servo_integral * gains.servo_integral;
+        let servoed: SVector<T, N> =
+            SVector::from_fn(|i, _| if i < NX { T::zero() } else { self.plant.servoed[i - NX] });
+        let given: SVector<T, N> =
+            SVector::from_fn(|i, _| if i < NX { T::zero() } else { servoed[i] * wanted[i - NX] });
+        // What moves freely obeys M q̈ = f − C q̇ − G − ∂D/∂q̇ with the servoed accelerations given.
+        let bias = motion.coriolis_vector + motion.gravity - drag;
+        let acting = self.limited(balance, &memory.force);
+        let known = SVector::<T, N>::from_fn(|i, _| {
+            if i < NX { acting[i] + memory.momentum.disturbance[i] } else { T::zero() }
+        });
+        let free = servoed.map(|s| T::one() - s);
+        let rest = (known - bias - motion.mass_matrix * given).component_mul(&free) + given;
+        let coupled = SMatrix::<T, N, N>::from_fn(|i, j| {
+            let own = if i == j { servoed[i] } else { T::zero() };
+            motion.mass_matrix[(i, j)] * free[i] * free[j] + own
+        });
+        let acceleration = solve_definite(coupled, rest);
+        let force = motion.mass_matrix * acceleration + bias;
+        balance + force.component_mul(&servoed)
+    }
+
+    /// Forces that the actuators can give, and change that fast.
+    pub(crate) fn limited(&self, wanted: &SVector<T, N>, last: &SVector<T, N>) -> SVector<T, N> {
+        let slewed = SVector::from_fn(|i, _| {
+            clamp(wanted[i], last[i] - self.force_step[i], last[i] + self.force_step[i])
+        });
+        clamp_all(&slewed, &self.plant.limit)
+    }
+
+    /// Integrates the errors, but not further into a limit.
+    pub(crate) fn integrate(
+        &self,
+        memory: &mut Memory<T, N, NX, NS>,
+        error: &Errors<T, NX, NS>,
+        wanted: &SVector<T, N>,
+        force: &SVector<T, N>,
+    ) {
+        let (period, zero) = (self.gains.period, T::zero());
+        let excess = wanted - force;
+        for i in 0..NX {
+            let held = excess[i] * error.lean[i] > zero;
+            memory.lean_integral[i] += if held { zero } else { error.lean[i] * period };
+        }
+        for i in 0..NS {
+            // The force falls as the error grows.
+            let held = excess[NX + i] * error.shape[i] < zero;
+            let part = self.plant.servoed[i] * error.shape[i] * period;
+            memory.servo_integral[i] += if held { zero } else { part };
+        }
+    }
+}
