@@ -88,10 +88,10 @@ impl<T: Ordered, S: Accelerated<T>, F: FnMut(usize) -> S> DoubleIntegral<T, S, F
     }
 }
 
-impl<T: Ordered, S: Accelerated<T>, F: FnMut(usize) -> S> Iterator for DoubleIntegral<T, S, F> {
-    type Item = Integrated<S, S::Acceleration>;
-
-    fn next(&mut self) -> Option<Self::Item> {
+impl<T: Ordered, S: Accelerated<T>, F: FnMut(usize) -> S> DoubleIntegral<T, S, F> {
+    /// The next sample with the velocity and position at it: [`Iterator::next`] without a copy.
+    #[inline]
+    pub(crate) fn next_node(&mut self) -> Option<(&S, &S::Acceleration, &S::Acceleration)> {
         let node = self.next;
         if node >= self.count {
             return None;
@@ -106,8 +106,19 @@ impl<T: Ordered, S: Accelerated<T>, F: FnMut(usize) -> S> Iterator for DoubleInt
             self.advance((node - 1 - self.first).min(2));
         }
         self.next += 1;
-        let sample = self.window[node % 4];
-        Some(Integrated { sample, velocity: self.velocity, position: self.position })
+        Some((&self.window[node % 4], &self.velocity, &self.position))
+    }
+}
+
+impl<T: Ordered, S: Accelerated<T>, F: FnMut(usize) -> S> Iterator for DoubleIntegral<T, S, F> {
+    type Item = Integrated<S, S::Acceleration>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_node().map(|(&sample, &velocity, &position)| Integrated {
+            sample,
+            velocity,
+            position,
+        })
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {

@@ -169,7 +169,7 @@ pub use planner::{Parametrisation, Task, plan};
 pub use reference::Desired;
 pub use refined::{
     RefinedPlan, RefinedReport, Refinement, Spare, Start, Workspace, choose_shares, refine,
-    refine_with_forces,
+    refine_surveyed, refine_with_forces,
 };
 pub use report::{Report, Warning};
-pub use torque::{ForceReport, actuator_force, generalised_force, survey_forces};
+pub use torque::{ForceReport, actuator_force, generalised_force, survey_forces, survey_within};

@@ -79,11 +79,6 @@ impl<T: Ordered> Grid<T> {
         Ok(Self { count, duration })
     }
 
-    /// Every `stride`-th sample; the last one among them.
-    pub(crate) fn thinned(&self, stride: usize) -> Self {
-        Self { count: (self.count - 1) / stride + 1, duration: self.duration }
-    }
-
     pub(crate) fn step(&self) -> T {
         self.duration / T::from_f64((self.count - 1) as f64)
     }

@@ -35,6 +35,7 @@ Examples:
   shapebot check my.robot                   what is wrong with a model, what is proved about it
   shapebot plan ballbot3d --line 2,0 --duration 5 --svg plan.svg
   shapebot plan walk.toml -o plans          a task file
+  shapebot inspect plans/walk.plan          a plan file: whole, unaltered, for which robot
   shapebot eval my.robot < states.jsonl     dynamics of given states
 
 Exit codes: 0 done, 1 the model or the plan was refused, 2 wrong usage or input.";
@@ -51,6 +52,8 @@ pub(crate) enum Command {
     Emit(EmitArgs),
     /// Plans a motion
     Plan(Box<PlanArgs>),
+    /// Verifies a plan file, and converts it
+    Inspect(InspectArgs),
     /// Evaluates dynamics: JSON lines in, JSON lines out
     Eval(EvalArgs),
     /// Explains a diagnostic code, or lists all of them
@@ -257,6 +260,49 @@ pub(crate) struct PlanArgs {
     /// Write a plot
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) parameters: ParameterArgs,
+}
+
+const INSPECT_EXAMPLES: &str = "\
+A plan file has a version, a checksum, and the name and fingerprint of its robot: a CRC of the names and
+values of the robot's parameters. It is refused if it was cut or altered, or if its robot is another.
+
+Examples:
+  shapebot inspect plans/walk.plan
+  shapebot inspect walk.csv --robot my.robot --param m_b=80
+  shapebot inspect walk.csv -o walk.plan    conversion, by the name's ending: csv, json or plan";
+
+/// Forms of a plan file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PlanForm {
+    /// Comma-separated values, one row per sample
+    Csv,
+    /// The same as JSON
+    Json,
+    /// The binary form that a controller evaluates in place
+    Plan,
+}
+
+#[derive(Args, Debug)]
+#[command(after_help = INSPECT_EXAMPLES)]
+pub(crate) struct InspectArgs {
+    /// Plan as CSV, JSON or bytes, as `shapebot plan -o` writes it
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+
+    /// Robot that the plan has to be for: the bundled one of the plan's name if not given
+    #[arg(long, value_name = "FILE|ROBOT")]
+    pub(crate) robot: Option<String>,
+
+    /// Write the plan in the form that the file's ending or --format says
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+
+    /// Form of the output
+    #[arg(long, value_enum, requires = "output")]
+    pub(crate) format: Option<PlanForm>,
 
     #[command(flatten)]
     pub(crate) parameters: ParameterArgs,

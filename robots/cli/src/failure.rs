@@ -1,6 +1,7 @@
 //! How a command can end badly, and what is said about it.
 
 use anstyle::{AnsiColor, Style};
+use shapebot_planning::{Refusal, suggestion};
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -40,12 +41,7 @@ impl Failure {
         known: impl IntoIterator<Item = &'a str>,
     ) -> Self {
         let known: Vec<&str> = known.into_iter().collect();
-        let help = match closest(name, &known) {
-            Some(close) => Some(format!("did you mean `{close}`?")),
-            None if known.is_empty() => None,
-            None => Some(format!("known: {}", known.join(", "))),
-        };
-        Self::Usage(format!("no {what} `{name}`"), help)
+        Self::Usage(format!("no {what} `{name}`"), suggestion(name, &known))
     }
 
     /// The same with the place of what it is about ahead of it, unless it has one.
@@ -85,6 +81,15 @@ impl Failure {
     }
 }
 
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::Task { message, help } => Self::Usage(message, help),
+            Refusal::Plan { message } => Self::Refused(message),
+        }
+    }
+}
+
 impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
@@ -100,29 +105,5 @@ fn say(message: &str, help: Option<&str>) {
     let _ = writeln!(stderr, "{ERROR}error{ERROR:#}: {message}");
     if let Some(help) = help {
         let _ = writeln!(stderr, "{HELP}help{HELP:#}: {help}");
-    }
-}
-
-/// The known name that is closest, if one is close.
-fn closest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    if name.len() > 64 {
-        return None;
-    }
-    let allowed = 1 + name.chars().count() / 3;
-    let distance =
-        |other: &str| strsim::damerau_levenshtein(&name.to_lowercase(), &other.to_lowercase());
-    let candidates = known.iter().map(|&other| (distance(other), other));
-    candidates.filter(|(d, _)| *d <= allowed).min().map(|(_, other)| other)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::closest;
-
-    #[test]
-    fn the_closest_name_is_close() {
-        let known = ["ballbot3d", "ballbot3d_arms", "cartpole_planar"];
-        assert_eq!(closest("balbot3d", &known), Some("ballbot3d"));
-        assert_eq!(closest("segway", &known), None);
     }
 }

@@ -5,7 +5,6 @@ mod args;
 mod commands;
 mod failure;
 mod output;
-mod planning;
 mod plot;
 mod robot;
 
@@ -29,6 +28,7 @@ fn run(cli: &Cli) -> Outcome {
         Some(Command::Derive(args)) => commands::derive::run(args),
         Some(Command::Emit(args)) => commands::emit::run(args),
         Some(Command::Plan(args)) => commands::plan::run(args),
+        Some(Command::Inspect(args)) => commands::inspect::run(args),
         Some(Command::Eval(args)) => commands::eval::run(args),
         Some(Command::Explain(args)) => commands::explain::run(args),
     }

@@ -172,3 +172,53 @@ duration = "8 s"
     let unknown = format!("{auto}[constraints]\nphy = []\n");
     plan(here.path(), &unknown).fails(2, "`constraints.phy`: no shape set `phy`");
 }
+
+/// Table II's ball takes 6 N m by the gain plan, the arms of the lateral move 4 N m.
+#[test]
+fn actuators_keep_their_limits() {
+    let here = folder();
+    for (task, limit, actuator) in [
+        ("table2_ballbot3d", "tau_ball = \"2 N m\"", "`tau_ball_x` would be"),
+        ("arms_lateral", "tau_l = \"2, 2 N m\"", "`tau_l_x` would be"),
+    ] {
+        let text = shapebot_tasks::text(task).unwrap();
+        let limited = text.replace("samples", &format!("force_limits = {{ {limit} }}\nsamples"));
+        for method in ["gain", "refined"] {
+            std::fs::write(here.path().join("tasks/walk.toml"), &limited).unwrap();
+            let args = ["plan", "tasks/walk.toml", "--method", method];
+            let run = shapebot(here.path(), &args, "").fails(1, actuator);
+            let seconds = run.stderr.split(" s for the motion would do").next().unwrap();
+            let seconds: f64 = seconds.rsplit(' ').next().unwrap().parse().unwrap();
+            let duration = format!("duration = \"{} s\"", seconds + 0.01);
+            let line = limited.lines().find(|line| line.starts_with("duration")).unwrap();
+            let longer = limited.replace(line, &duration);
+            std::fs::write(here.path().join("tasks/walk.toml"), longer).unwrap();
+            let run = shapebot(here.path(), &args, "").ok();
+            assert!(run.stdout.contains("peak tau_ball_x"), "{}", run.stdout);
+        }
+    }
+    let unknown = WALK.replace("samples =", "force_limits = { f_z = \"1 N\" }\nsamples =");
+    plan(here.path(), &unknown).fails(2, "`force_limits.f_z`: no actuator `f_z`");
+    let wrong = WALK.replace("samples =", "force_limits = { f_x = \"1 N m\" }\nsamples =");
+    plan(here.path(), &wrong).fails(2, "`force_limits.f_x`: expected N, found N*m");
+}
+
+#[test]
+fn what_a_method_would_leave_out_is_refused() {
+    let here = folder();
+    let standing = WALK.replace("samples =", "standing = \"1 s\"\nsamples =");
+    plan(here.path(), &standing).ok();
+    let gain = standing.replace("\"refined\"", "\"gain\"");
+    plan(here.path(), &gain).fails(2, "`standing`: standing before and after is for refined plans");
+    let objective = WALK.replace("samples =", "objective = \"acceleration\"\nsamples =");
+    plan(here.path(), &objective).fails(2, "`objective`: an objective is for gain plans");
+    // Both halves have a floor, and may stand outside.
+    let lateral = shapebot_tasks::text("arms_lateral").unwrap();
+    let standing = lateral.replace("samples", "standing = \"1 s\"\nsamples");
+    let run = plan(here.path(), &standing).ok();
+    assert!(
+        run.stdout.contains("  floor ") && run.stdout.contains("brake: sweeps"),
+        "{}",
+        run.stdout
+    );
+}

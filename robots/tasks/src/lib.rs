@@ -31,12 +31,15 @@
 mod error;
 mod quantity;
 mod read;
+mod read_simulation;
 mod reader;
+pub mod simulation;
 mod task;
 
 pub use error::Error;
 pub use quantity::{Dimension, Quantities};
-pub use read::parse;
+pub use read::{MOST_SAMPLES, parse};
+pub use read_simulation::GAINS;
 pub use task::{
     Constraint, ConstraintLeg, Method, Motion, Objective, Said, Shares, Spare, Task, Waypoint,
 };

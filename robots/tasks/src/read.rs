@@ -2,17 +2,21 @@
 
 use crate::error::Error;
 use crate::reader::{Source, Table, Value};
+use crate::simulation::Simulation;
 use crate::task::{
     Constraint, ConstraintLeg, Method, Motion, Objective, Said, Shares, Spare, Task, Waypoint,
 };
 use toml::de::DeTable;
+
+/// Most samples of a motion: every one of them becomes a row of the plan.
+pub const MOST_SAMPLES: usize = 1_000_000;
 
 type Outcome<T> = Result<T, Error>;
 
 /// Degree of a line's smooth step if the task does not say.
 const DEGREE: usize = 9;
 
-const KEYS: [&str; 11] = [
+const KEYS: [&str; 14] = [
     "title",
     "robot",
     "method",
@@ -22,8 +26,11 @@ const KEYS: [&str; 11] = [
     "shares",
     "spare",
     "limits",
+    "force_limits",
     "motion",
     "constraints",
+    "simulation",
+    "paper",
 ];
 
 /// Reads a task; `name` is that of the file, for messages.
@@ -46,16 +53,24 @@ pub fn parse(name: &str, text: &str) -> Outcome<Task> {
         title: table.get("title").map(|title| title.string().map(str::to_owned)).transpose()?,
         robot: robot.said(robot.string()?.to_owned()),
         method: optional(&table, "method", method)?,
-        objective: optional(&table, "objective", objective)?,
-        samples: table.require("samples")?.count()?,
-        standing: optional(&table, "standing", standing)?,
-        shares: optional(&table, "shares", shares)?,
+        objective: said(&table, "objective", objective)?,
+        samples: samples(&table.require("samples")?)?,
+        standing: said(&table, "standing", standing)?,
+        shares: said(&table, "shares", shares)?,
         limits: optional(&table, "limits", limits)?,
+        force_limits: optional(&table, "force_limits", limits)?,
         motion: place.said(motion),
         constraints: optional(&table, "constraints", constraints)?,
+        simulation: Simulation::default(),
+        is_experiment: false,
+        paper: optional(&table, "paper", crate::read_simulation::paper)?,
     };
+    if let Some(simulation) = table.get("simulation") {
+        crate::read_simulation::read(&simulation.table()?, &mut task.simulation)?;
+        task.is_experiment = true;
+    }
     if let Some(spare) = table.get("spare") {
-        let Shares::Automatic(chosen) = &mut task.shares else {
+        let Shares::Automatic(chosen) = &mut task.shares.value else {
             return Err(spare.error("goes with shares = \"auto\""));
         };
         *chosen =
@@ -73,6 +88,22 @@ fn optional<T: Default>(
     table.get(key).map_or_else(|| Ok(T::default()), |value| read(&value))
 }
 
+/// A value with its place; the default has none.
+fn said<T: Default>(
+    table: &Table<'_>,
+    key: &str,
+    read: impl FnOnce(&Value<'_>) -> Outcome<T>,
+) -> Outcome<Said<T>> {
+    optional(table, key, |value| Ok(value.said(read(value)?)))
+}
+
+fn samples(value: &Value<'_>) -> Outcome<Said<usize>> {
+    match value.count()? {
+        count if count <= MOST_SAMPLES => Ok(value.said(count)),
+        _ => Err(value.error(format!("more than {MOST_SAMPLES} samples"))),
+    }
+}
+
 fn method(value: &Value<'_>) -> Outcome<Method> {
     value.word(&[("gain", Method::Gain), ("refined", Method::Refined)])
 }
@@ -88,13 +119,13 @@ fn objective(value: &Value<'_>) -> Outcome<Objective> {
 /// One time for both sides, or a table.
 fn standing(value: &Value<'_>) -> Outcome<[f64; 2]> {
     if value.is_string() {
-        return value.time().map(|seconds| [seconds; 2]);
+        return value.pause().map(|seconds| [seconds; 2]);
     }
     let table = value.table()?;
     table.only(&["before", "after"])?;
     Ok([
-        optional(&table, "before", |time| time.time())?,
-        optional(&table, "after", |time| time.time())?,
+        optional(&table, "before", |time| time.pause())?,
+        optional(&table, "after", |time| time.pause())?,
     ])
 }
 
@@ -109,7 +140,14 @@ fn shares(value: &Value<'_>) -> Outcome<Shares> {
 
 fn limits(value: &Value<'_>) -> Outcome<Vec<(Said<String>, crate::Quantities)>> {
     let entries = value.table()?.entries();
-    entries.into_iter().map(|(set, limit)| Ok((owned(&set), limit.quantities()?))).collect()
+    let limit = |(name, limit): (Said<&str>, Value<'_>)| {
+        let quantities = limit.quantities()?;
+        if let Some(value) = quantities.values.iter().find(|value| **value < 0.0) {
+            return Err(limit.error(format!("a limit is a magnitude, found {value}")));
+        }
+        Ok((owned(&name), quantities))
+    };
+    entries.into_iter().map(limit).collect()
 }
 
 fn owned(said: &Said<&str>) -> Said<String> {
@@ -145,7 +183,7 @@ fn motion(table: &Table<'_>, leg: bool) -> Outcome<Motion> {
         Kind::Waypoints => waypoints(table),
         Kind::Rest => {
             table.only(&["kind", "duration"])?;
-            Ok(Motion::Rest { duration: table.require("duration")?.time()? })
+            Ok(Motion::Rest { duration: table.require("duration")?.duration()? })
         }
         Kind::Legs => {
             table.only(&["kind", "legs"])?;
@@ -160,7 +198,7 @@ fn motion(table: &Table<'_>, leg: bool) -> Outcome<Motion> {
 fn line(table: &Table<'_>) -> Outcome<Motion> {
     table.only(&["kind", "goal", "degree", "duration"])?;
     let degree = table.get("degree").map_or(Ok(DEGREE), |degree| degree.count())?;
-    let (goal, duration) = (point(table, "goal")?, table.require("duration")?.time()?);
+    let (goal, duration) = (point(table, "goal")?, table.require("duration")?.duration()?);
     Ok(Motion::Line { goal, degree, duration })
 }
 
@@ -191,7 +229,7 @@ fn bezier(table: &Table<'_>) -> Outcome<Motion> {
         let at = point(&repeated, "at")?;
         points.extend(std::iter::repeat_n(at, count));
     }
-    Ok(Motion::Bezier { points, duration: table.require("duration")?.time()? })
+    Ok(Motion::Bezier { points, duration: table.require("duration")?.duration()? })
 }
 
 fn waypoints(table: &Table<'_>) -> Outcome<Motion> {
@@ -207,10 +245,13 @@ fn waypoints(table: &Table<'_>) -> Outcome<Motion> {
 
 fn two_phases(table: &Table<'_>) -> Outcome<Motion> {
     table.only(&["kind", "goal", "duration", "accelerate", "brake"])?;
-    let share = |key: &str| shares(&table.require(key)?);
+    let share = |key: &str| {
+        let value = table.require(key)?;
+        Ok(value.said(shares(&value)?))
+    };
     Ok(Motion::TwoPhases {
         goal: point(table, "goal")?,
-        duration: table.require("duration")?.time()?,
+        duration: table.require("duration")?.duration()?,
         shares: [share("accelerate")?, share("brake")?],
     })
 }
@@ -227,7 +268,7 @@ fn constraint_leg(value: &Value<'_>) -> Outcome<ConstraintLeg> {
     let table = value.table()?;
     table.only(&["to", "duration"])?;
     let to = table.get("to").map(|to| Ok(to.said(to.quantities()?))).transpose()?;
-    Ok(ConstraintLeg { duration: table.require("duration")?.time()?, to })
+    Ok(ConstraintLeg { duration: table.require("duration")?.duration()?, to })
 }
 
 /// What does not go with a motion in two phases.
@@ -235,13 +276,23 @@ fn check_phases(table: &Table<'_>, task: &Task) -> Outcome<()> {
     if !matches!(task.motion.value, Motion::TwoPhases { .. }) {
         return Ok(());
     }
-    for key in ["shares", "standing", "constraints"] {
+    for (key, why) in [
+        (
+            "shares",
+            "a motion of kind \"two-phases\" has its shares in `motion.accelerate` and `motion.brake`",
+        ),
+        (
+            "constraints",
+            "does not go with a motion of kind \"two-phases\": where its halves meet every free shape set \
+             is at zero, and cannot make up for what a constrained one causes",
+        ),
+    ] {
         if let Some(value) = table.get(key) {
-            return Err(value.error("does not go with a motion of kind \"two-phases\""));
+            return Err(value.error(why));
         }
     }
     let samples = table.require("samples")?;
-    if task.samples.is_multiple_of(2) {
+    if task.samples.value.is_multiple_of(2) {
         return Err(samples.error("expected an odd number: the phases share the middle sample"));
     }
     Ok(())

@@ -70,6 +70,15 @@ impl<'s> Value<'s> {
         Err(self.error(format!("no such choice: `{found}`{}", suggestion(found, &known))))
     }
 
+    /// True or false.
+    pub(crate) fn switch(&self) -> Outcome<bool> {
+        self.value.as_bool().ok_or_else(|| self.expected("true or false"))
+    }
+
+    pub(crate) fn is_list(&self) -> bool {
+        self.value.is_array()
+    }
+
     pub(crate) fn is_string(&self) -> bool {
         self.value.is_str()
     }
@@ -107,6 +116,24 @@ impl<'s> Value<'s> {
         match (quantities.dimension, &*quantities.values) {
             (Dimension::Time, &[seconds]) => Ok(seconds),
             _ => Err(self.error("expected one time such as \"5 s\"")),
+        }
+    }
+
+    /// Seconds from zero up, of a time in which nothing has to happen.
+    pub(crate) fn pause(&self) -> Outcome<f64> {
+        match self.time()? {
+            seconds if seconds >= 0.0 => Ok(seconds),
+            seconds => Err(self.error(format!("a time cannot be negative, found {seconds} s"))),
+        }
+    }
+
+    /// Seconds above zero.
+    pub(crate) fn duration(&self) -> Outcome<f64> {
+        match self.time()? {
+            seconds if seconds > 0.0 => Ok(seconds),
+            seconds => {
+                Err(self.error(format!("a duration is longer than zero, found {seconds} s")))
+            }
         }
     }
 

@@ -1,13 +1,14 @@
 //! What a task says.
 
 use crate::Quantities;
+use crate::simulation::{Paper, Simulation};
 
 /// A value, with where it was said for messages about it: `walk.toml:7:8: \`motion.goal\``.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Said<T> {
     /// The value.
     pub value: T,
-    /// Where it was said.
+    /// Where it was said; empty if it was not.
     pub place: String,
 }
 
@@ -90,7 +91,7 @@ pub enum Motion {
         /// Seconds.
         duration: f64,
         /// Shares of the half that accelerates, and of the half that brakes.
-        shares: [Shares; 2],
+        shares: [Said<Shares>; 2],
     },
 }
 
@@ -131,17 +132,25 @@ pub struct Task {
     /// How it is planned.
     pub method: Method,
     /// What a gain plan makes small.
-    pub objective: Objective,
+    pub objective: Said<Objective>,
     /// Number of samples of the motion, both ends included.
-    pub samples: usize,
+    pub samples: Said<usize>,
     /// Seconds of standing before and after the motion, for refined plans.
-    pub standing: [f64; 2],
+    pub standing: Said<[f64; 2]>,
     /// How the shape sets share the work.
-    pub shares: Shares,
-    /// Largest magnitudes of the coordinates of shape sets, for refined plans.
+    pub shares: Said<Shares>,
+    /// Largest magnitudes of the coordinates of shape sets.
     pub limits: Vec<(Said<String>, Quantities)>,
+    /// Largest magnitudes of the actuators' forces, by actuator or vector of actuators.
+    pub force_limits: Vec<(Said<String>, Quantities)>,
     /// The desired motion of the output.
     pub motion: Said<Motion>,
     /// Shape sets that follow trajectories of their own.
     pub constraints: Vec<Constraint>,
+    /// What is simulated.
+    pub simulation: Simulation,
+    /// Whether the task says anything about its simulation.
+    pub is_experiment: bool,
+    /// What the paper reports.
+    pub paper: Paper,
 }

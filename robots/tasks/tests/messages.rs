@@ -23,8 +23,8 @@ alpha_r = [{ to = "0, -90 deg", duration = "1 s" }, { duration = "1 s" }]
 #[test]
 fn every_key_is_read() {
     let task = parse("a.toml", SOUND).unwrap();
-    assert_eq!(task.standing, [1.0, 0.0]);
-    assert_eq!(task.shares, Shares::Automatic(Spare::Actuated));
+    assert_eq!(task.standing.value, [1.0, 0.0]);
+    assert_eq!(task.shares.value, Shares::Automatic(Spare::Actuated));
     assert_eq!(task.limits[1].1.values.len(), 2);
     let Motion::Legs(legs) = &task.motion.value else { panic!("{:?}", task.motion) };
     assert_eq!(legs[0], Motion::Rest { duration: 0.5 });
@@ -59,6 +59,15 @@ fn messages_have_line_and_key() {
             "{ phi = \"1\" }",
             "a.toml:3:18: `shares.phi`: expected a number, found a string",
         ),
+        ("\"40 deg\"", "\"-40 deg\"", "`limits.alpha_l`: a limit is a magnitude, found -0.69"),
+        (
+            "[motion]",
+            "force_limits = { tau = \"-1 N m\" }\n[motion]",
+            "a.toml:8:24: `force_limits.tau`: a limit is a magnitude",
+        ),
+        ("\"500 ms\"", "\"0 s\"", "`motion.legs[0].duration`: a duration is longer than zero"),
+        ("\"1 s\" }\nlim", "\"-1 s\" }\nlim", "`standing.before`: a time cannot be negative"),
+        ("samples = 501", "samples = 1000001", "`samples`: more than 1000000 samples"),
         ("[motion]", "[motion", "a.toml:8:"),
         ("[motion]", "samples = 3\n[motion]", "a.toml:8:1: duplicate key"),
     ] {
@@ -74,8 +83,12 @@ fn a_motion_in_two_phases_has_its_own_shares() {
     let lateral = shapebot_tasks::text("arms_lateral").unwrap();
     for (from, to, message) in [
         ("samples = 1231", "samples = 1230", "expected an odd number"),
-        ("samples = 1231", "samples = 1231\nshares = { phi = 1 }", "`shares`: does not go with"),
-        ("samples = 1231", "samples = 1231\nstanding = \"1 s\"", "`standing`: does not go with"),
+        ("samples = 1231", "samples = 1231\nshares = { phi = 1 }", "`shares`: a motion of kind"),
+        (
+            "samples = 1231",
+            "samples = 1231\nconstraints = { phi = [] }",
+            "`constraints`: does not go with a motion of kind \"two-phases\": where its halves meet",
+        ),
         ("brake = ", "break = ", "did you mean `brake`?"),
     ] {
         let error = parse("l.toml", &lateral.replacen(from, to, 1)).expect_err(to).to_string();

@@ -11,15 +11,6 @@ if ! "$venv/bin/python" -c "import casadi, numpy" 2>/dev/null; then
     "$venv/bin/pip" install --quiet casadi==3.8.2 numpy
 fi
 
-# SHAPEBOT names a tool that is built already.
-if [ -z "${SHAPEBOT:-}" ]; then
-    cargo build --release --quiet -p shapebot
-    SHAPEBOT="${CARGO_TARGET_DIR:-target}/release/shapebot"
-fi
-for task in cartpole ballbot_planar ballbot3d ballbot3d_arms; do
-    for method in gain refined; do
-        "$SHAPEBOT" plan "table2_$task" --method "$method" -o "$plans/$method" >/dev/null
-    done
-done
-
+# Our plans and their times, with all optimisations.
+cargo run --release --quiet -p shapebot-tests --example peer_plans -- "$plans"
 PYTHONDONTWRITEBYTECODE=1 "$venv/bin/python" tests/peers/planning/collocation.py --plans "$plans" "$@"

@@ -1,11 +1,16 @@
 //! The reference planning tasks, planned with a robot of the traits.
 
+mod desired;
+
 use crate::compare::{assert_close, assert_close_on_scale};
 use crate::reference::Data;
+use desired::{Motion, Prescribed, direction};
 use shapebot_dynamics::nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Robot, ShapeAccelerated};
-use shapebot_planner::motion::{Bezier, Derivatives, DesiredMotion, Line};
-use shapebot_planner::{LevenbergMarquardt, Objective, Plan, Row, Task, Weighting, plan};
+use shapebot_planner::{
+    Constrained, LevenbergMarquardt, Objective, Plan, Row, SetMotion, ShapeConstraint, Task,
+    Unconstrained, Weighting, plan,
+};
 
 /// The reference integrates a spline through the accelerations, the planner local cubics: at 100 Hz
 /// that is all they differ by.
@@ -23,58 +28,13 @@ pub fn model_of(system: &str) -> &str {
     }
 }
 
-/// The desired motion of a reference task.
-enum Motion<const NX: usize> {
-    Line(Line<f64, NX>),
-    Bezier(Vec<SVector<f64, NX>>, f64),
-}
-
-/// A field under either of the two names that the files use.
-fn either(task: &Data, names: [&str; 2]) -> Data {
-    let found = names.iter().find_map(|name| task.optional(name));
-    found.unwrap_or_else(|| panic!("reference task has neither of {names:?}"))
-}
-
-impl<const NX: usize> Motion<NX> {
-    fn of(task: &Data) -> Self {
-        let duration = either(task, ["duration_s", "T"]).number();
-        if task.get("kind").text() == "bezier" {
-            let points = task.get("pts").list();
-            return Self::Bezier(points.iter().map(Data::vector).collect(), duration);
-        }
-        let distance = either(task, ["distance_m", "D"]).number();
-        let goal = direction::<NX>(task) * distance;
-        Self::Line(Line::new(SVector::zeros(), goal, duration, 9).expect("a line"))
-    }
-}
-
-fn direction<const NX: usize>(task: &Data) -> SVector<f64, NX> {
-    either(task, ["direction", "dir"]).vector()
-}
-
-impl<const NX: usize> DesiredMotion<f64, NX> for Motion<NX> {
-    fn duration(&self) -> f64 {
-        match self {
-            Self::Line(line) => line.duration(),
-            Self::Bezier(_, duration) => *duration,
-        }
-    }
-    fn derivatives(&self, t: f64) -> Derivatives<f64, NX> {
-        match self {
-            Self::Line(line) => line.derivatives(t),
-            Self::Bezier(points, duration) => {
-                Bezier::new(points, *duration).expect("a curve").derivatives(t)
-            }
-        }
-    }
-}
-
 /// A reference task for a robot.
-struct Case<'a, R, const NX: usize, const NS: usize> {
+struct Case<'a, R, C, const NX: usize, const NS: usize> {
     name: &'a str,
     robot: &'a R,
     data: &'a Data,
     motion: Motion<NX>,
+    constraint: C,
     weights: Option<Vec<f64>>,
 }
 
@@ -91,15 +51,49 @@ pub fn reference_task<const N: usize, const NX: usize, const NS: usize>(
     let weights = data.optional("weights").map(|weights| {
         ["c_alpha_l", "c_alpha_r", "c_phi"].map(|c| weights.get(c).number()).to_vec()
     });
-    let case: Case<'_, _, NX, NS> =
-        Case { name, robot, data, motion: Motion::of(&data.get("task")), weights };
-    case.check();
+    let task = data.get("task");
+    let motion = Motion::of(&task);
+    let sets = robot.description().shape_sets.iter().map(|set| set.first).collect::<Vec<_>>();
+    let prescribed = Prescribed::<NX>::of(&task, &sets);
+    if prescribed.is_empty() {
+        let constraint = Unconstrained;
+        return Case { name, robot, data, motion, constraint, weights }.check();
+    }
+    let sets = prescribed.iter().map(|motion| SetMotion { set: motion.set, motion });
+    let sets: Vec<_> = sets.collect();
+    let constraint = Constrained::new(robot, &sets).expect("a constraint");
+    check_constraint(name, &constraint, data);
+    Case { name, robot, data, motion, constraint, weights }.check();
 }
 
-type Planned<'p, const NX: usize, const NS: usize> = Plan<'p, Motion<NX>, f64, NX, NS>;
+/// The constrained coordinates, and the acceleration that they cause.
+fn check_constraint<const NX: usize, const NS: usize>(
+    name: &str,
+    constraint: &impl ShapeConstraint<f64, NX, NS>,
+    data: &Data,
+) {
+    let samples = data.get("a_ac_samples").list();
+    assert!(!samples.is_empty(), "{name}: nothing to compare the constraint with");
+    for sample in samples {
+        let t = sample.get("t").number();
+        let what = |field: &str| format!("{name}, t = {t}: {field}");
+        let shape = constraint.shape(t)[0];
+        assert_close_on_scale(what("q_ac"), &shape, &sample.get("q_ac"), 1e-12, 1.0);
+        let found = constraint.acceleration(t);
+        for (found, field) in found.iter().zip(["a_ac", "a_ac_d", "a_ac_dd"]) {
+            assert_close_on_scale(what(field), found, &sample.get(field), 1e-9, 1.0);
+        }
+    }
+}
 
-impl<R: ShapeAccelerated<f64, NX, NS>, const NX: usize, const NS: usize> Case<'_, R, NX, NS> {
-    fn plan(&self, objective: Objective, iterations: usize) -> Planned<'_, NX, NS> {
+type Planned<'p, C, const NX: usize, const NS: usize> = Plan<'p, Motion<NX>, f64, NX, NS, C>;
+
+impl<R, C, const NX: usize, const NS: usize> Case<'_, R, C, NX, NS>
+where
+    R: ShapeAccelerated<f64, NX, NS>,
+    C: ShapeConstraint<f64, NX, NS>,
+{
+    fn plan(&self, objective: Objective, iterations: usize) -> Planned<'_, C, NX, NS> {
         let samples = self.data.get("n_samples").number() as usize;
         let weighting = match &self.weights {
             Some(ratios) => Weighting::Contributions(ratios),
@@ -107,7 +101,7 @@ impl<R: ShapeAccelerated<f64, NX, NS>, const NX: usize, const NS: usize> Case<'_
         };
         let optimiser = LevenbergMarquardt { max_iterations: iterations, ..Default::default() };
         let task = Task::new(&self.motion, samples).objective(objective);
-        let task = task.weighting(weighting).optimiser(optimiser);
+        let task = task.weighting(weighting).optimiser(optimiser).constraint(self.constraint);
         plan(self.robot, &task).unwrap_or_else(|error| panic!("{}: {error}", self.name))
     }
 
@@ -136,7 +130,7 @@ impl<R: ShapeAccelerated<f64, NX, NS>, const NX: usize, const NS: usize> Case<'_
         }
     }
 
-    fn check_optimum(&self, label: &str, plan: &Planned<'_, NX, NS>, expected: &Data) {
+    fn check_optimum(&self, label: &str, plan: &Planned<'_, C, NX, NS>, expected: &Data) {
         let name = format!("{}, {label}", self.name);
         let report = plan.report();
         assert!(report.termination.converged(), "{name}: {:?}", report.termination);
@@ -158,7 +152,7 @@ impl<R: ShapeAccelerated<f64, NX, NS>, const NX: usize, const NS: usize> Case<'_
         self.check_report(label, plan, expected);
     }
 
-    fn check_report(&self, label: &str, plan: &Planned<'_, NX, NS>, expected: &Data) {
+    fn check_report(&self, label: &str, plan: &Planned<'_, C, NX, NS>, expected: &Data) {
         let name = format!("{}, {label}", self.name);
         let report = plan.report();
         let cost = report.acceleration_cost;

@@ -4,7 +4,6 @@ use shapebot_dynamics::nalgebra::SMatrix;
 use shapebot_generated::ballbot3d_arms;
 use shapebot_planner::Weighting;
 use shapebot_tests::compare::assert_close;
-use shapebot_tests::environment::skip;
 use shapebot_tests::planning::{model_of, reference_point, reference_task};
 use shapebot_tests::reference::{Data, load, names};
 
@@ -38,11 +37,6 @@ shapebot_generated::for_each_robot!(robots);
 
 fn task(name: &str) {
     let data = load("planning", name).expect("a reference task");
-    if data.get("task").optional("legs").is_some() {
-        let why =
-            "tasks with prescribed arms are held to their data by planner/planner/tests/arms.rs";
-        return skip("constrained-planning", &format!("{name}: {why}"));
-    }
     check_task(model_of(data.get("system").text()), name, &data);
 }
 

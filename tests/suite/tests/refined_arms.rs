@@ -1,9 +1,12 @@
 //! The ballbot with arms: constraints, two phases, shares, force limits, files.
 
+use shapebot_dynamics::ShapeAccelerated;
 use shapebot_dynamics::nalgebra::{SVector, Vector2};
 use shapebot_generated::ballbot3d_arms::Ballbot3dArms;
 use shapebot_planner::motion::{DesiredMotion, Legs, Line, Rest};
-use shapebot_planner::value::{FileError, PlanView, encode, verify_text, write_csv, write_json};
+use shapebot_planner::value::{
+    FileError, PlanText, PlanView, RobotId, encode, verify_text, write_csv, write_json,
+};
 use shapebot_planner::{
     Constrained, Error, RefinedPlan, Refinement, SetMotion, Spare, Start, Task, TwoPhases,
     Weighting, Workspace, actuator_force, choose_shares, refine, refine_with_forces,
@@ -194,45 +197,54 @@ fn altered_and_truncated_files_are_refused() {
     stored(|robot, plan| {
         let rows = || plan.rows(robot, 1).expect("rows");
         let force = |row: &_| actuator_force::<_, _, 8, 2, 6>(robot, row);
+        let id = RobotId::of(robot.shape_description());
         let mut bytes = vec![0; 1 << 16];
-        let used = encode::<f32, _, 2, 6, 8>(rows(), 10, force, &mut bytes).expect("bytes");
+        let used = encode::<f32, _, 2, 6, 8>(&id, rows(), 10, force, &mut bytes).expect("bytes");
         bytes.truncate(used);
-        let view = PlanView::<f32, 2, 6, 8>::open(&bytes).expect("a plan");
+        let view = PlanView::<f32, 2, 6, 8>::open(&bytes, &id).expect("a plan");
         let deviation = view.deviation(rows(), force);
         say(format_args!("{used} bytes, {deviation:?}"));
         assert!(deviation.shape < 1e-5 && deviation.position < 1e-4 && deviation.force < 0.05);
         for cut in 0..used {
-            assert!(PlanView::<f32, 2, 6, 8>::open(&bytes[..cut]).is_err(), "{cut}");
+            assert!(PlanView::<f32, 2, 6, 8>::open(&bytes[..cut], &id).is_err(), "{cut}");
         }
         for index in 0..used {
-            let mut altered = bytes.clone();
-            altered[index] ^= 1 << (index % 8);
-            assert!(PlanView::<f32, 2, 6, 8>::open(&altered).is_err(), "{index}");
+            for bit in 0..8 {
+                let mut altered = bytes.clone();
+                altered[index] ^= 1 << bit;
+                assert!(PlanView::<f32, 2, 6, 8>::open(&altered, &id).is_err(), "{index}");
+            }
         }
-        let mismatch = PlanView::<f64, 2, 6, 8>::open(&bytes).map(|_| ());
+        let heavier = RobotId::with(robot.shape_description(), |name| {
+            (name == robot.shape_description().parameters[0].name).then_some(123.0)
+        });
+        let refusal = PlanView::<f32, 2, 6, 8>::open(&bytes, &heavier).map(|_| ());
+        assert!(matches!(refusal, Err(FileError::OtherRobot { .. })));
+        assert_eq!(view.robot(), &id);
+        let mismatch = PlanView::<f64, 2, 6, 8>::open(&bytes, &id).map(|_| ());
         assert!(matches!(mismatch, Err(FileError::Mismatch { field: "bytes per number", .. })));
         let mut newer = bytes.clone();
-        newer[4] = 2;
-        let refusal = PlanView::<f32, 2, 6, 8>::open(&newer).map(|_| ());
-        assert_eq!(refusal, Err(FileError::Version { found: 2 }));
-        let small = encode::<f32, _, 2, 6, 8>(rows(), 10, force, &mut [0; 100]);
+        newer[4] = 3;
+        let refusal = PlanView::<f32, 2, 6, 8>::open(&newer, &id).map(|_| ());
+        assert_eq!(refusal, Err(FileError::Version { found: 3 }));
+        let small = encode::<f32, _, 2, 6, 8>(&id, rows(), 10, force, &mut [0; 100]);
         assert!(matches!(small, Err(FileError::BufferTooSmall { found: 100, .. })));
-        let stride = encode::<f32, _, 2, 6, 8>(rows(), 7, force, &mut bytes);
+        let stride = encode::<f32, _, 2, 6, 8>(&id, rows(), 7, force, &mut bytes);
         assert!(matches!(stride, Err(FileError::Nodes { stride: 7, .. })));
     });
 }
 
 #[test]
 fn text_files_carry_version_and_checksum() {
-    use shapebot_dynamics::ShapeAccelerated;
     stored(|robot, plan| {
         let force = |row: &_| actuator_force::<_, _, 8, 2, 6>(robot, row);
         let names = ["f0", "f1", "f2", "f3", "f4", "f5", "f6", "f7"];
         let description = robot.shape_description();
+        let id = RobotId::of(description);
         let rows = || plan.rows(robot, 1).expect("rows");
         let (mut csv, mut json) = (String::new(), String::new());
-        write_csv(&mut csv, description, names, rows(), force).expect("csv");
-        write_json(&mut json, description, names, rows(), force).expect("json");
+        write_csv(&mut csv, &id, description, names, rows(), force).expect("csv");
+        write_json(&mut json, &id, description, names, rows(), force).expect("json");
         let header: Vec<&str> = csv.lines().nth(1).expect("a header").split(',').collect();
         let first: Vec<f64> = csv
             .lines()
@@ -244,16 +256,21 @@ fn text_files_carry_version_and_checksum() {
         assert_eq!((header.len(), first.len()), (1 + 2 + 2 + 6 + 18 + 8, header.len()));
         for text in [&csv, &json] {
             assert_eq!(verify_text(text), Ok(()));
+            let read = PlanText::open(text).expect("a plan");
+            assert_eq!(read.robot(), &id);
+            assert!(read.columns().eq(header.iter().copied()));
+            assert_eq!(read.rows().count(), 501);
+            assert!(read.rows().next().expect("a row").flatten().eq(first.iter().copied()));
             assert!(verify_text(&text[..text.len() - 5]).is_err());
             assert!(verify_text(&text[..text.len() / 2]).is_err());
             let altered = text.replacen('7', "8", 1);
             assert!(verify_text(&altered).is_err());
-            let newer = text.replacen("shapebot-plan 1", "shapebot-plan 2", 1).replacen(
-                "\"version\": 1",
+            let newer = text.replacen("shapebot-plan 2", "shapebot-plan 3", 1).replacen(
                 "\"version\": 2",
+                "\"version\": 3",
                 1,
             );
-            assert_eq!(verify_text(&newer), Err(FileError::Version { found: 2 }));
+            assert_eq!(verify_text(&newer), Err(FileError::Version { found: 3 }));
         }
         assert_eq!(verify_text("t,x\n0,1\n"), Err(FileError::NotAPlan));
     });

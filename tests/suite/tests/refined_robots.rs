@@ -3,7 +3,7 @@
 use shapebot_dynamics::Robot;
 use shapebot_dynamics::nalgebra::SVector;
 use shapebot_planner::motion::{Line, Transfer};
-use shapebot_planner::value::{PlanView, encode, encoded_len};
+use shapebot_planner::value::{PlanView, RobotId, encode, encoded_len};
 use shapebot_planner::{
     RefinedPlan, Refinement, Start, Task, Unconstrained, Weighting, Workspace, actuator_force,
     refine, survey_forces,
@@ -199,9 +199,10 @@ where
     let rows = || plan.rows(robot, 1).expect("rows");
     let force = |row: &_| actuator_force::<_, _, N, NX, NS>(robot, row);
     let mut bytes = vec![0; encoded_len::<f64, NX, NS, N>(101)];
-    let used = encode::<f64, _, NX, NS, N>(rows(), 5, force, &mut bytes).expect("bytes");
+    let id = RobotId::of(robot.shape_description());
+    let used = encode::<f64, _, NX, NS, N>(&id, rows(), 5, force, &mut bytes).expect("bytes");
     assert_eq!(used, bytes.len());
-    let view = PlanView::<f64, NX, NS, N>::open(&bytes).expect("a plan");
+    let view = PlanView::<f64, NX, NS, N>::open(&bytes, &id).expect("a plan");
     let deviation = view.deviation(rows(), force);
     let _ = writeln!(std::io::stderr(), "{name}: {used} bytes, {deviation:?}");
     assert!(deviation.shape < 1e-7 && deviation.position < 1e-6, "{name}: {deviation:?}");
@@ -231,7 +232,7 @@ fn time_is_linear_in_samples() {
             refine(&robot, &task, &Refinement::default(), &mut workspace).expect("a plan");
         });
         let plan = refine(&robot, &task, &Refinement::default(), &mut workspace).expect("a plan");
-        assert_eq!(plan.report().sweeps, 2, "{samples}");
+        assert_eq!(plan.report().sweeps, 3, "{samples}");
         let _ = writeln!(std::io::stderr(), "{samples} samples: {time:?}");
         time.as_secs_f64() / samples as f64
     });

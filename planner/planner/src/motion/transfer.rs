@@ -90,6 +90,21 @@ fn powers<T: Ordered, const NX: usize>(
     points
 }
 
+/// Value of a polynomial: even and odd powers apart, so that neither chain waits for the other.
+#[inline]
+fn value<T: Ordered, const NX: usize>(
+    coefficients: &[SVector<T, NX>; DEGREE + 1],
+    x: T,
+) -> SVector<T, NX> {
+    let (square, zero) = (x * x, SVector::zeros());
+    let (mut even, mut odd) = (zero, zero);
+    for k in (0..DEGREE.div_ceil(2)).rev() {
+        even = even * square + coefficients[2 * k];
+        odd = odd * square + coefficients[2 * k + 1];
+    }
+    even + odd * x
+}
+
 /// Value and four derivatives of a polynomial.
 fn evaluate<T: Ordered, const NX: usize>(
     coefficients: &[SVector<T, NX>; DEGREE + 1],
@@ -103,6 +118,7 @@ fn evaluate<T: Ordered, const NX: usize>(
         }
         taylor[0] = taylor[0] * x + coefficient;
     }
+    taylor[0] = value(coefficients, x);
     for (derivative, factorial) in taylor.iter_mut().zip([1.0, 1.0, 2.0, 6.0, 24.0]) {
         *derivative *= T::from_f64(factorial);
     }
@@ -155,7 +171,7 @@ impl<T: Ordered, const NX: usize> DesiredMotion<T, NX> for Transfer<T, NX> {
             (&self.halves[1], T::one() - tau)
         };
         let near = if near < T::zero() { T::zero() } else { near };
-        half.iter().rev().fold(SVector::zeros(), |sum, coefficient| sum * near + coefficient)
+        value(half, near)
     }
 }
 

@@ -175,7 +175,7 @@ where
     solve(transposed * gain, transposed).ok_or(Error::Singular { matrix: "initial gain" })
 }
 
-/// Puts the control points of both ends in place, and the others on the line between.
+/// Puts the control points of both ends in place.
 pub(super) fn place_ends<R, M, C, T, const NX: usize, const NS: usize, const POINTS: usize>(
     problem: &Problem<'_, R, M, C, T, NX, NS>,
     ends: &Ends<T, NX>,
@@ -210,11 +210,5 @@ pub(super) fn place_ends<R, M, C, T, const NX: usize, const NS: usize, const POI
     points[..ends.given].copy_from_slice(&first[..ends.given]);
     for (k, point) in last.iter().enumerate() {
         points[count - 1 - k] = *point;
-    }
-    let (from, to) = (points[ends.given - 1], points[count - REST]);
-    let way = T::from_f64((count - REST - ends.given + 1) as f64);
-    for index in ends.given..count - REST {
-        let part = T::from_f64((index + 1 - ends.given) as f64) / way;
-        points[index] = from + (to - from) * part;
     }
 }

@@ -1,6 +1,6 @@
 //! Limits of a plan: declared ranges and those of the task.
 
-use super::problem::{Node, Problem};
+use super::problem::Problem;
 use crate::Error;
 use crate::constraint::ShapeConstraint;
 use crate::linear_algebra::is_finite;
@@ -113,28 +113,29 @@ impl<'a, T: Ordered, const NX: usize, const NS: usize> Bounds<'a, T, NX, NS> {
     pub(crate) fn explain<R, M, C>(
         &self,
         problem: &Problem<'_, R, M, C, T, NX, NS>,
-        node: &Node<T, NX, NS>,
+        time: T,
+        shape: &SVector<T, NS>,
     ) -> Error
     where
         R: ShapeAccelerated<T, NX, NS> + ?Sized,
         M: DesiredMotion<T, NX> + ?Sized,
         C: ShapeConstraint<T, NX, NS>,
     {
-        let time = node.time.to_f64();
-        let non_finite = |quantity| Error::NonFinite { quantity, time };
-        if !is_finite(&problem.motion.position(node.time)) {
+        let seconds = time.to_f64();
+        let non_finite = |quantity| Error::NonFinite { quantity, time: seconds };
+        if !is_finite(&problem.motion.position(time)) {
             return non_finite("desired motion");
         }
-        if !is_finite(&problem.constraint.shape(node.time)[0]) {
+        if !is_finite(&problem.constraint.shape(time)[0]) {
             return non_finite("constrained shape");
         }
         for (index, coordinate) in self.description.shape_coordinates().iter().enumerate() {
-            let Some(value) = node.shape.get(index).map(|value| value.to_f64()) else {
+            let Some(value) = shape.get(index).map(|value| value.to_f64()) else {
                 continue;
             };
             let (lower, upper) = self.shape_range(index, coordinate);
             if value < lower || value > upper {
-                return breach(coordinate, time, value, (lower, upper));
+                return breach(coordinate, seconds, value, (lower, upper));
             }
         }
         non_finite("acceleration response")

@@ -6,8 +6,8 @@ use super::window::Window;
 use super::workspace::SpanCurve;
 use crate::Error;
 use crate::constraint::ShapeConstraint;
-use crate::integrate::{Accelerated, DoubleIntegral, Integrated};
-use crate::linear_algebra::{inverse, norm, solve};
+use crate::integrate::{Accelerated, DoubleIntegral};
+use crate::linear_algebra::{inverse, is_finite, norm, solve};
 use crate::motion::{DesiredMotion, SmoothStep, Transfer};
 use crate::reference::OutputMap;
 use nalgebra::{SMatrix, SVector};
@@ -38,7 +38,7 @@ impl<T: Ordered, const NX: usize> Linearised<T, NX> {
         let through_shape = robot.output_jacobian_shape(&SVector::zeros(), &origin) * gain;
         let singular = Error::Singular { matrix: "output Jacobian" };
         let output = position - solve(map.jacobian, through_shape).ok_or(singular)?;
-        if !crate::linear_algebra::is_finite(&output) {
+        if !is_finite(&output) {
             return Err(Error::NonFiniteMatrix { matrix: "time constant of the response" });
         }
         Ok(Self { position, output, jacobian: map.jacobian })
@@ -91,18 +91,13 @@ pub(crate) struct Problem<'p, R: ?Sized, M: ?Sized, C, T: Ordered, const NX: usi
 /// One sample of a sweep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node<T: Ordered, const NX: usize, const NS: usize> {
-    pub(crate) index: usize,
     pub(crate) span: usize,
     pub(crate) sigma: T,
     pub(crate) time: T,
     /// q_s.
     pub(crate) shape: SVector<T, NS>,
-    /// q̇_s.
-    pub(crate) shape_velocity: SVector<T, NS>,
     /// z − τ²u: q_x if the robot were linear.
     model: SVector<T, NX>,
-    /// u̇.
-    rate: SVector<T, NX>,
     /// Γ − (u − τ²ü).
     defect: SVector<T, NX>,
 }
@@ -115,14 +110,16 @@ impl<T: Ordered, const NX: usize, const NS: usize> Accelerated<T> for Node<T, NX
 }
 
 impl<T: Ordered, const NX: usize, const NS: usize> Node<T, NX, NS> {
+    /// Γ − (u − τ²ü).
+    pub(crate) fn defect(&self) -> &SVector<T, NX> {
+        &self.defect
+    }
+
     /// q_x.
     pub(crate) fn position(&self, defect: &SVector<T, NX>) -> SVector<T, NX> {
         self.model + defect
     }
 }
-
-pub(crate) type Swept<T, const NX: usize, const NS: usize> =
-    Integrated<Node<T, NX, NS>, SVector<T, NX>>;
 
 impl<R, M, C, T, const NX: usize, const NS: usize> Problem<'_, R, M, C, T, NX, NS>
 where
@@ -132,6 +129,7 @@ where
     C: ShapeConstraint<T, NX, NS>,
 {
     /// q_s, q̇_s, q̈_s.
+    #[inline(always)]
     pub(crate) fn shape(&self, time: T, u: &[SVector<T, NX>; 3]) -> [SVector<T, NS>; 3] {
         let [a, b, c, ..] = self.constraint.shape(time);
         let mut shape = [a + self.gain * u[0], b + self.gain * u[1], c + self.gain * u[2]];
@@ -141,40 +139,19 @@ where
         shape
     }
 
-    fn node(
+    #[inline(always)]
+    pub(crate) fn node(
         &self,
-        index: usize,
-        place: (usize, T),
+        time: T,
+        (span, sigma): (usize, T),
         curve: &SpanCurve<T, NX>,
-        exact: bool,
     ) -> Node<T, NX, NS> {
-        let (span, sigma) = place;
-        let time = self.window.time(index);
         let u = curve.acceleration(sigma);
         let [shape, shape_velocity, shape_acceleration] = self.shape(time, &u);
-        let defect = if exact {
-            self.robot.gamma(&shape, &shape_velocity, &shape_acceleration) - u[0]
-                + self.linear.position * u[2]
-        } else {
-            SVector::zeros()
-        };
+        let defect = self.robot.gamma(&shape, &shape_velocity, &shape_acceleration) - u[0]
+            + self.linear.position * u[2];
         let model = curve.flat(sigma) - self.linear.position * u[0];
-        Node { index, span, sigma, time, shape, shape_velocity, model, rate: u[1], defect }
-    }
-
-    /// The plan's samples as if the robot were linear.
-    pub(crate) fn linear_sweep<'s>(
-        &'s self,
-        basis: &'s Basis<T>,
-        points: &'s [SVector<T, NX>],
-    ) -> impl Iterator<Item = Swept<T, NX, NS>> + 's {
-        let zero = SVector::zeros();
-        let mut source = self.nodes(basis, points, false);
-        (0..self.window.count).map(move |index| Integrated {
-            sample: source(index),
-            velocity: zero,
-            position: zero,
-        })
+        Node { span, sigma, time, shape, model, defect }
     }
 
     /// Samples, to be asked for in order.
@@ -182,7 +159,6 @@ where
         &'s self,
         basis: &'s Basis<T>,
         points: &'s [SVector<T, NX>],
-        exact: bool,
     ) -> impl FnMut(usize) -> Node<T, NX, NS> + 's {
         let length = self.window.span_length();
         let mut curve = SpanCurve::new(basis, points, 0, length);
@@ -194,7 +170,7 @@ where
                 current = place.0;
                 curve = SpanCurve::new(basis, points, current, length);
             }
-            self.node(index, place, &curve, exact)
+            self.node(self.window.time(index), place, &curve)
         }
     }
 
@@ -203,24 +179,35 @@ where
         &'s self,
         basis: &'s Basis<T>,
         points: &'s [SVector<T, NX>],
-    ) -> impl ExactSizeIterator<Item = Swept<T, NX, NS>> + 's {
+    ) -> DoubleIntegral<T, Node<T, NX, NS>, impl FnMut(usize) -> Node<T, NX, NS> + 's> {
         let length = self.window.span_length();
         let curve = SpanCurve::new(basis, points, 0, length);
-        let first = self.node(0, (0, T::zero()), &curve, false);
-        let velocity = self.start.velocity - self.model_velocity(&first, &curve);
-        let position = self.start.position - first.model;
-        let source = self.nodes(basis, points, true);
+        let (velocity, position) = self.begin(&curve);
+        let source = self.nodes(basis, points);
         DoubleIntegral::new(self.window.count, self.window.step(), velocity, position, source)
     }
 
-    fn model_velocity(&self, node: &Node<T, NX, NS>, curve: &SpanCurve<T, NX>) -> SVector<T, NX> {
-        curve.flat_rate(node.sigma, self.window.span_length()) - self.linear.position * node.rate
+    /// What the start state has beyond z − τ²u: velocity and position, on the curve's first span.
+    pub(crate) fn begin(&self, curve: &SpanCurve<T, NX>) -> (SVector<T, NX>, SVector<T, NX>) {
+        let [u, ..] = curve.acceleration(T::zero());
+        let model = curve.flat(T::zero()) - self.linear.position * u;
+        let velocity = self.start.velocity - self.model_velocity(T::zero(), curve);
+        (velocity, self.start.position - model)
     }
 
-    /// h(q_x, q_s) − x^d at a sample.
-    pub(crate) fn output_error(&self, node: &Swept<T, NX, NS>) -> SVector<T, NX> {
-        let position = node.sample.position(&node.position);
-        self.robot.output(&position, &node.sample.shape) - self.motion.position(node.sample.time)
+    /// ż − τ²u̇.
+    fn model_velocity(&self, sigma: T, curve: &SpanCurve<T, NX>) -> SVector<T, NX> {
+        let [_, rate, _] = curve.acceleration(sigma);
+        curve.flat_rate(sigma, self.window.span_length()) - self.linear.position * rate
+    }
+
+    /// h(q_x, q_s) − x^d at a sample, where the defect has led to `defect`.
+    pub(crate) fn output_error(
+        &self,
+        node: &Node<T, NX, NS>,
+        defect: &SVector<T, NX>,
+    ) -> SVector<T, NX> {
+        self.robot.output(&node.position(defect), &node.shape) - self.motion.position(node.time)
     }
 
     /// The part of that error which is not asked for.
@@ -231,17 +218,24 @@ where
         }
     }
 
-    /// The same for the output's velocity at the window's end.
-    pub(crate) fn output_velocity_error(
+    /// Errors of the output and its velocity at the window's end: position and velocity are what the
+    /// defect has led to.
+    pub(crate) fn finish(
         &self,
-        node: &Swept<T, NX, NS>,
         curve: &SpanCurve<T, NX>,
-    ) -> SVector<T, NX> {
-        let position = node.sample.position(&node.position);
-        let velocity = self.model_velocity(&node.sample, curve) + node.velocity;
-        let by_shape = self.robot.output_jacobian_shape(&position, &node.sample.shape);
-        self.linear.jacobian * velocity + by_shape * node.sample.shape_velocity
-            - self.motion.derivatives(node.sample.time)[1]
+        position: &SVector<T, NX>,
+        velocity: &SVector<T, NX>,
+        sums: &mut Sums<T, NX>,
+    ) {
+        let (time, end) = (self.window.end(), T::one());
+        let u = curve.acceleration(end);
+        let [shape, rate, _] = self.shape(time, &u);
+        let position = curve.flat(end) - self.linear.position * u[0] + position;
+        let velocity = self.model_velocity(end, curve) + velocity;
+        let by_shape = self.robot.output_jacobian_shape(&position, &shape);
+        let [desired, desired_velocity, ..] = self.motion.derivatives(time);
+        sums.end = self.robot.output(&position, &shape) - desired;
+        sums.end_velocity = self.linear.jacobian * velocity + by_shape * rate - desired_velocity;
     }
 
     /// Steps of the first control points from the end that cancel the end errors, last point first.
@@ -255,6 +249,33 @@ where
         let zero = SVector::zeros();
         let slope = inverse * velocity_error * self.window.span_length();
         Some(basis.end_points(&[-(inverse * error), slope, zero, zero, zero]))
+    }
+}
+
+/// What every sweep finds: the sum of squared errors, and the errors at the end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sums<T: Ordered, const NX: usize> {
+    pub(crate) squares: T,
+    pub(crate) end: SVector<T, NX>,
+    pub(crate) end_velocity: SVector<T, NX>,
+}
+
+impl<T: Ordered, const NX: usize> Sums<T, NX> {
+    pub(crate) fn new() -> Self {
+        let zero = SVector::zeros();
+        Self { squares: T::zero(), end: zero, end_velocity: zero }
+    }
+
+    /// These, if they are numbers.
+    pub(crate) fn check<R: ?Sized, M: ?Sized, C, const NS: usize>(
+        self,
+        problem: &Problem<'_, R, M, C, T, NX, NS>,
+    ) -> Result<Self, Error> {
+        if self.squares.is_finite() && is_finite(&self.end) && is_finite(&self.end_velocity) {
+            return Ok(self);
+        }
+        let time = problem.window.end().to_f64();
+        Err(Error::NonFinite { quantity: "squared error of the plan", time })
     }
 }
 
@@ -288,33 +309,22 @@ impl<T: Ordered, const NX: usize> Moments<T, NX> {
         gradient: &mut [SVector<T, NX>],
     ) {
         let (jacobian, lag) = (linear.jacobian.transpose(), linear.output.transpose());
-        let curvatures = second_derivatives(basis, length);
-        let functions = basis.iter().zip(&curvatures);
-        for ((function, curvature), entry) in functions.zip(gradient.iter_mut().skip(self.span)) {
-            let mut plain = SVector::zeros();
-            let mut bent = SVector::zeros();
-            for (sum, &coefficient) in self.sums.iter().zip(function) {
-                plain += sum * coefficient;
+        let squared = T::one() / (length * length);
+        // Σ (σᵏ − τ²(σᵏ)̈)ᵀ Jᵀ r.
+        let mut sums = self.sums;
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum = jacobian * self.sums[k];
+            if k > 1 {
+                let bend = squared * T::from_f64((k * (k - 1)) as f64);
+                *sum -= lag * (jacobian * self.sums[k - 2]) * bend;
             }
-            for (sum, &coefficient) in self.sums.iter().zip(curvature) {
-                bent += sum * coefficient;
+        }
+        for (function, entry) in basis.iter().zip(gradient.iter_mut().skip(self.span)) {
+            for (sum, &coefficient) in sums.iter().zip(function) {
+                *entry += sum * coefficient;
             }
-            *entry += jacobian * plain - lag * (jacobian * bent);
         }
     }
-}
-
-/// b̈_i of a span as polynomials in σ, by time.
-pub(crate) fn second_derivatives<T: Ordered>(
-    basis: &SpanBasis<T>,
-    length: T,
-) -> [[T; ORDER - 2]; ORDER] {
-    let squared = T::one() / (length * length);
-    basis.map(|function| {
-        core::array::from_fn(|k| {
-            function[k + 2] * squared * T::from_f64(((k + 1) * (k + 2)) as f64)
-        })
-    })
 }
 
 /// Root of a sum of squares over `count` samples.

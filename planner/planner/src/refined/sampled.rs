@@ -1,7 +1,6 @@
 //! Desired motions from samples: a smoothing spline with a stated fit.
 
 use super::basis::{Basis, DEGREE};
-use super::gram;
 use super::problem::{Linearised, Moments, larger, root_mean};
 use super::window::Window;
 use super::workspace::{SpanCurve, Workspace};
@@ -56,9 +55,11 @@ impl<'a, T: Ordered, const NX: usize> Sampled<'a, T, NX> {
             jacobian: SMatrix::identity(),
         };
         workspace.basis.prepare(spans);
-        gram::assemble(&workspace.basis, &window, &identity, &mut workspace.normal);
         let singular = Error::Singular { matrix: "fit of the spline" };
-        workspace.normal.factor(REST, count - REST).ok_or(singular)?;
+        workspace
+            .normal
+            .prepare_samples(&workspace.basis, &window, (REST, count - REST))
+            .ok_or(singular)?;
         place(samples, count, workspace);
         // Once for the fit, once for what rounding left of it.
         for _ in 0..2 {
@@ -137,7 +138,7 @@ fn correct<T: Ordered, const NX: usize, const POINTS: usize>(
         moments.add(sigma, &(sample - curve.flat(sigma)));
     }
     moments.flush(basis.span(moments.span), identity, length, gradient);
-    normal.solve(gradient);
+    normal.solve_free(gradient);
     for index in normal.free() {
         points[index] += gradient[index];
     }

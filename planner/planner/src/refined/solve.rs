@@ -1,7 +1,6 @@
 //! The sweeps: linear fit, then corrections for what Γ does beyond its linearisation.
 
 use super::ends::{Ends, REST, begin_at, catch_up, check_standing, desired_start, place_ends};
-use super::gram;
 use super::plan::{RefinedPlan, RefinedReport};
 use super::problem::{Linearised, Problem};
 use super::sweeps::sweeps;
@@ -13,9 +12,8 @@ use crate::constraint::ShapeConstraint;
 use crate::motion::{DesiredMotion, Stretched};
 use crate::planner::{Task, check_description};
 use crate::reference::{Grid, OutputMap};
-use crate::torque::{ForceReport, survey_forces};
 use nalgebra::SVector;
-use shapebot_dynamics::{Ordered, Robot, ShapeAccelerated};
+use shapebot_dynamics::{Ordered, ShapeAccelerated};
 
 /// Plans a shape trajectory q_s = K⁰ u(t) whose virtual acceleration u is a clamped quintic B-spline,
 /// so that the robot's output follows the desired motion as closely as its dynamics allow.
@@ -57,50 +55,9 @@ where
     Ok(fitted.plan(task, workspace))
 }
 
-/// A refined plan with its forces.
-pub type PlanWithForces<'a, M, C, T, const N: usize, const NX: usize, const NS: usize> =
-    (RefinedPlan<'a, M, C, T, NX, NS>, ForceReport<T, N>);
-
-/// [`refine`], with the forces of the actuators along the plan's samples: those that the description
-/// limits are limits of the plan.
-///
-/// # Errors
-///
-/// Those of [`refine`] and of [`survey_forces`]; [`Error::LimitExceeded`] names an actuator, too.
-pub fn refine_with_forces<
-    'w,
-    'a: 'w,
-    R,
-    M,
-    C,
-    T,
-    const N: usize,
-    const NX: usize,
-    const NS: usize,
-    const POINTS: usize,
->(
-    robot: &R,
-    task: &Task<'a, M, T, NS, C>,
-    refinement: &Refinement<T, NX, NS>,
-    workspace: &'w mut Workspace<T, NX, POINTS>,
-) -> Result<PlanWithForces<'w, M, C, T, N, NX, NS>, Error>
-where
-    R: Robot<T, N, NX, NS>,
-    M: DesiredMotion<T, NX> + ?Sized,
-    C: ShapeConstraint<T, NX, NS>,
-    T: Ordered,
-{
-    let Surveyed { fitted, forces } =
-        fit_with_forces(robot, task, refinement, workspace).map_err(|error| {
-            with_duration(task, error, |stretched| {
-                fit_with_forces(robot, stretched, refinement, workspace).map(|_| ())
-            })
-        })?;
-    Ok((fitted.plan(task, workspace), forces))
-}
-
 /// What a fit leaves beside the control points in the workspace.
-struct Fitted<'p, R: ?Sized, M: ?Sized, C, T: Ordered, const NX: usize, const NS: usize> {
+pub(super) struct Fitted<'p, R: ?Sized, M: ?Sized, C, T: Ordered, const NX: usize, const NS: usize>
+{
     map: OutputMap<T, NX>,
     problem: Problem<'p, R, M, C, T, NX, NS>,
     report: RefinedReport<T, NS>,
@@ -109,7 +66,7 @@ struct Fitted<'p, R: ?Sized, M: ?Sized, C, T: Ordered, const NX: usize, const NS
 impl<R: ?Sized, M: ?Sized, C: Copy, T: Ordered, const NX: usize, const NS: usize>
     Fitted<'_, R, M, C, T, NX, NS>
 {
-    fn plan<'w, 'a: 'w, const POINTS: usize>(
+    pub(super) fn plan<'w, 'a: 'w, const POINTS: usize>(
         &self,
         task: &Task<'a, M, T, NS, C>,
         workspace: &'w Workspace<T, NX, POINTS>,
@@ -132,7 +89,7 @@ impl<R: ?Sized, M: ?Sized, C: Copy, T: Ordered, const NX: usize, const NS: usize
 
 /// The error of a plan that exceeds a limit, with a duration of the desired motion that does not: tried
 /// out, not guessed.
-fn with_duration<M, C, T, const NX: usize, const NS: usize>(
+pub(super) fn with_duration<M, C, T, const NX: usize, const NS: usize>(
     task: &Task<'_, M, T, NS, C>,
     error: Error,
     mut attempt: impl FnMut(&Task<'_, Stretched<&M, T>, T, NS, C>) -> Result<(), Error>,
@@ -165,49 +122,7 @@ where
     error
 }
 
-/// A fit, and the forces along it.
-struct Surveyed<
-    'p,
-    R: ?Sized,
-    M: ?Sized,
-    C,
-    T: Ordered,
-    const N: usize,
-    const NX: usize,
-    const NS: usize,
-> {
-    fitted: Fitted<'p, R, M, C, T, NX, NS>,
-    forces: ForceReport<T, N>,
-}
-
-fn fit_with_forces<
-    'p,
-    R,
-    M,
-    C,
-    T,
-    const N: usize,
-    const NX: usize,
-    const NS: usize,
-    const POINTS: usize,
->(
-    robot: &'p R,
-    task: &Task<'p, M, T, NS, C>,
-    refinement: &Refinement<T, NX, NS>,
-    workspace: &mut Workspace<T, NX, POINTS>,
-) -> Result<Surveyed<'p, R, M, C, T, N, NX, NS>, Error>
-where
-    R: Robot<T, N, NX, NS>,
-    M: DesiredMotion<T, NX> + ?Sized,
-    C: ShapeConstraint<T, NX, NS>,
-    T: Ordered,
-{
-    let fitted = fit(robot, task, refinement, workspace)?;
-    let forces = survey_forces(robot, fitted.plan(task, workspace).rows(robot, 1)?)?;
-    Ok(Surveyed { fitted, forces })
-}
-
-fn fit<'p, R, M, C, T, const NX: usize, const NS: usize, const POINTS: usize>(
+pub(super) fn fit<'p, R, M, C, T, const NX: usize, const NS: usize, const POINTS: usize>(
     robot: &'p R,
     task: &Task<'p, M, T, NS, C>,
     refinement: &Refinement<T, NX, NS>,
@@ -248,11 +163,10 @@ where
     }
     workspace.basis.prepare(window.spans);
     place_ends(&problem, &ends, &map, workspace);
-    gram::assemble(&workspace.basis, &window.thinned(), &linear, &mut workspace.normal);
     let count = window.spans + super::basis::DEGREE;
     workspace
         .normal
-        .factor(ends.given, count - REST)
+        .prepare(&workspace.basis, &window, &linear, (ends.given, count - REST))
         .ok_or(Error::Singular { matrix: "fit of the spline" })?;
     let report = sweeps(&problem, refinement, count, workspace)?;
     Ok(Fitted { map, problem, report })

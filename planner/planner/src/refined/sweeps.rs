@@ -2,9 +2,10 @@
 
 use super::limits::{Bounds, Peaks};
 use super::plan::RefinedReport;
-use super::problem::{Moments, Problem, Swept, larger, root_mean};
+use super::problem::{Moments, Problem, Sums, larger, root_mean};
+use super::secant::Secant;
+use super::spans::INTERVALS;
 use super::task::Refinement;
-use super::window::Window;
 use super::workspace::{SpanCurve, Workspace};
 use crate::Error;
 use crate::constraint::ShapeConstraint;
@@ -15,11 +16,9 @@ use shapebot_dynamics::{Ordered, ShapeAccelerated};
 
 /// What one sweep found.
 struct Found<T: Ordered, const NX: usize, const NS: usize> {
-    squares: T,
+    sums: Sums<T, NX>,
     motion_squares: T,
     largest: T,
-    end: SVector<T, NX>,
-    end_velocity: SVector<T, NX>,
     peaks: Peaks<T, NX, NS>,
 }
 
@@ -36,31 +35,29 @@ where
     T: Ordered,
 {
     let bounds = Bounds::new(problem.robot, refinement.limits.as_ref());
-    let coarse = Problem { window: problem.window.thinned(), ..*problem };
+    problem.fit_linear(count, &bounds, workspace)?;
     let mut run = Run {
+        problem,
         bounds: &bounds,
         count,
         refinement,
-        coarse: &coarse,
         evaluations: 0,
         sweeps: 0,
         linear_rmse: None,
     };
-    run.linear(workspace)?;
-    advance(count, workspace);
     run.approach(workspace)?;
-    let (found, converged) = run.finish(problem, workspace)?;
+    let (found, converged) = run.finish(workspace)?;
     if let Some(breach) = bounds.first_breach(&found.peaks) {
         return Err(breach);
     }
     let window = &problem.window;
     Ok(RefinedReport {
-        output_rmse: root_mean(found.squares, window.count),
+        output_rmse: root_mean(found.sums.squares, window.count),
         motion_rmse: root_mean(found.motion_squares, window.motion_samples()),
         linear_rmse: run.linear_rmse.unwrap_or_else(T::zero),
         output_max_error: found.largest,
-        output_end_error: norm(&found.end),
-        output_end_velocity_error: norm(&found.end_velocity),
+        output_end_error: norm(&found.sums.end),
+        output_end_velocity_error: norm(&found.sums.end_velocity),
         peak_shape: found.peaks.magnitude(),
         spans: window.spans,
         sweeps: run.sweeps,
@@ -69,13 +66,9 @@ where
     })
 }
 
-/// How much of the error a step leaves, until it is measured.
-const CONTRACTION: f64 = 1.0 / 60.0;
-
 /// The sweeps of one plan.
 struct Run<'r, 'p, R: ?Sized, M: ?Sized, C, T: Ordered, const NX: usize, const NS: usize> {
-    /// The problem on as few samples as resolve the spline: most of the way is made there.
-    coarse: &'r Problem<'p, R, M, C, T, NX, NS>,
+    problem: &'r Problem<'p, R, M, C, T, NX, NS>,
     bounds: &'r Bounds<'r, T, NX, NS>,
     refinement: &'r Refinement<T, NX, NS>,
     count: usize,
@@ -92,49 +85,41 @@ where
     C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
 {
-    /// The step to the fit of a linear robot.
-    fn linear<const POINTS: usize>(
-        &self,
-        workspace: &mut Workspace<T, NX, POINTS>,
-    ) -> Result<(), Error> {
-        let mut gradient = [SVector::zeros(); POINTS];
-        let nodes = self.coarse.linear_sweep(&workspace.basis, &workspace.points);
-        let found = pass(self.coarse, nodes, self.bounds, workspace, &mut gradient)?;
-        workspace.gradient = gradient;
-        step(self.coarse, &self.coarse.window, &found, self.count, workspace).map(|_| ())
-    }
-
-    /// One sweep of Γ and the step it asks for; the largest of that step's effect and the end errors.
-    fn sweep<const POINTS: usize>(
+    /// Counts a sweep of `samples` samples of root mean squared error `rmse`, and finds the step it asks
+    /// for; the largest of that step's effect and the end errors. Inside the window the samples count
+    /// as if their weights summed up to `weight`.
+    fn step<const POINTS: usize>(
         &mut self,
-        problem: &Problem<'_, R, M, C, T, NX, NS>,
+        sums: &Sums<T, NX>,
+        (samples, weight): (usize, usize),
+        rmse: T,
         workspace: &mut Workspace<T, NX, POINTS>,
-    ) -> Result<(Found<T, NX, NS>, T), Error> {
-        let mut gradient = [SVector::zeros(); POINTS];
-        let nodes = problem.sweep(&workspace.basis, &workspace.points);
-        let found = pass(problem, nodes, self.bounds, workspace, &mut gradient)?;
-        workspace.gradient = gradient;
+    ) -> Result<T, Error> {
         self.sweeps += 1;
-        let rmse = root_mean(found.squares, problem.window.count);
+        self.evaluations = self.evaluations.saturating_add(samples);
         self.linear_rmse = self.linear_rmse.or(Some(rmse));
-        self.evaluations = self.evaluations.saturating_add(problem.window.count);
-        let change = step(problem, &self.coarse.window, &found, self.count, workspace)?;
-        let error = larger(larger(change, &found.end), &found.end_velocity);
-        Ok((found, error))
+        let change = step(self.problem, sums, weight, self.count, workspace)?;
+        Ok(larger(larger(change, &sums.end), &sums.end_velocity))
     }
 
-    /// Sweeps of the thinned samples until the next is expected to find nothing to correct.
+    /// Sweeps of few samples: two, and more until the next is expected to find nothing to correct.
+    /// Two are what a plan from a moving robot takes; one from rest is made better by the second, and
+    /// both take the same time.
     fn approach<const POINTS: usize>(
         &mut self,
         workspace: &mut Workspace<T, NX, POINTS>,
     ) -> Result<(), Error> {
-        let mut previous = None;
+        let spans = self.problem.window.spans;
+        let (mut previous, mut secant) = (None::<T>, Secant::new());
         while self.sweeps + 1 < self.refinement.max_sweeps {
-            let (_, error) = self.sweep(self.coarse, workspace)?;
+            let sums = self.problem.sweep_spans(self.bounds, workspace)?;
+            let rmse = root_mean(sums.squares, spans);
+            let error = self.step(&sums, (INTERVALS * spans + 1, spans), rmse, workspace)?;
+            secant.correct(self.count, &mut workspace.steps);
             advance(self.count, workspace);
-            let contraction =
-                previous.map_or(T::from_f64(CONTRACTION), |previous| error / previous);
-            if !exceeds(error * contraction, self.refinement.tolerance) {
+            // A step leaves of an error what the step before has left of its own.
+            let left = previous.map(|previous| error * (error / previous));
+            if left.is_some_and(|left| !exceeds(left, self.refinement.tolerance)) {
                 break;
             }
             previous = Some(error);
@@ -145,27 +130,29 @@ where
     /// Sweeps of all samples until they confirm the plan.
     fn finish<const POINTS: usize>(
         &mut self,
-        problem: &Problem<'_, R, M, C, T, NX, NS>,
         workspace: &mut Workspace<T, NX, POINTS>,
     ) -> Result<(Found<T, NX, NS>, bool), Error> {
+        let mut secant = Secant::new();
         loop {
-            let (found, error) = self.sweep(problem, workspace)?;
+            let found = pass(self.problem, self.bounds, workspace)?;
+            let samples = self.problem.window.count;
+            let rmse = root_mean(found.sums.squares, samples);
+            let error = self.step(&found.sums, (samples, samples - 1), rmse, workspace)?;
             let converged = error <= self.refinement.tolerance;
             if converged || self.sweeps >= self.refinement.max_sweeps {
                 return Ok((found, converged));
             }
+            secant.correct(self.count, &mut workspace.steps);
             advance(self.count, workspace);
         }
     }
 }
 
-/// One sweep over the samples: errors, peaks, and Jᵀr as `gradient`.
+/// One sweep over the samples: errors, peaks, and Jᵀr as the workspace's gradient.
 fn pass<R, M, C, T, const NX: usize, const NS: usize, const POINTS: usize>(
     problem: &Problem<'_, R, M, C, T, NX, NS>,
-    nodes: impl Iterator<Item = Swept<T, NX, NS>>,
     bounds: &Bounds<'_, T, NX, NS>,
-    workspace: &Workspace<T, NX, POINTS>,
-    gradient: &mut [SVector<T, NX>; POINTS],
+    workspace: &mut Workspace<T, NX, POINTS>,
 ) -> Result<Found<T, NX, NS>, Error>
 where
     R: ShapeAccelerated<T, NX, NS> + ?Sized,
@@ -173,65 +160,50 @@ where
     C: ShapeConstraint<T, NX, NS>,
     T: Ordered,
 {
-    let Workspace { basis, points, .. } = workspace;
+    let Workspace { basis, points, gradient, .. } = workspace;
     *gradient = [SVector::zeros(); POINTS];
-    let length = problem.window.span_length();
+    let (length, last) = (problem.window.span_length(), problem.window.count - 1);
     let mut moments = Moments::new(0);
-    let zero = SVector::zeros();
-    let mut found = Found {
-        squares: T::zero(),
-        motion_squares: T::zero(),
-        largest: T::zero(),
-        end: zero,
-        end_velocity: zero,
-        peaks: Peaks::new(),
-    };
-    let mut last = None;
-    for node in nodes {
-        let error = problem.output_error(&node);
+    let (sums, zero) = (Sums::new(), T::zero());
+    let mut found = Found { sums, motion_squares: zero, largest: zero, peaks: Peaks::new() };
+    let (mut swept, mut index) = (problem.sweep(basis, points), 0);
+    while let Some((node, velocity, position)) = swept.next_node() {
+        let error = problem.output_error(node, position);
         if !is_finite(&error) {
-            return Err(bounds.explain(problem, &node.sample));
+            return Err(bounds.explain(problem, node.time, &node.shape));
         }
-        if node.sample.span != moments.span {
+        if node.span != moments.span {
             moments.flush(basis.span(moments.span), &problem.linear, length, gradient);
-            moments = Moments::new(node.sample.span);
+            moments = Moments::new(node.span);
         }
-        moments.add(node.sample.sigma, &problem.unwanted(node.sample.time, &error));
+        moments.add(node.sigma, &problem.unwanted(node.time, &error));
         let square = error.dot(&error);
-        found.squares += square;
-        if problem.window.in_motion(node.sample.index) {
+        found.sums.squares += square;
+        if problem.window.in_motion(index) {
             found.motion_squares += square;
         }
         if square > found.largest {
             found.largest = square;
         }
-        found.peaks.add(
-            node.sample.time,
-            &node.sample.shape,
-            &node.sample.position(&node.position),
-        );
-        last = Some((node, error));
+        found.peaks.add(node.time, &node.shape, &node.position(position));
+        if index == last {
+            let curve = SpanCurve::new(basis, points, node.span, length);
+            problem.finish(&curve, position, velocity, &mut found.sums);
+        }
+        index += 1;
     }
     moments.flush(basis.span(moments.span), &problem.linear, length, gradient);
     found.largest = found.largest.sqrt();
-    if let Some((node, error)) = last {
-        let curve = SpanCurve::new(basis, points, node.sample.span, length);
-        found.end = error;
-        found.end_velocity = problem.output_velocity_error(&node, &curve);
-    }
-    if !found.squares.is_finite() || !is_finite(&found.end_velocity) {
-        let time = problem.window.end().to_f64();
-        return Err(Error::NonFinite { quantity: "squared error of the plan", time });
-    }
+    found.sums.check(problem)?;
     Ok(found)
 }
 
 /// Solves for the next steps of the control points; the root mean square by which they will move the
-/// output.
+/// output. `weight` is the sum of the weights of the samples that the gradient was summed over.
 fn step<R, M, C, T, const NX: usize, const NS: usize, const POINTS: usize>(
     problem: &Problem<'_, R, M, C, T, NX, NS>,
-    factored: &Window<T>,
-    found: &Found<T, NX, NS>,
+    sums: &Sums<T, NX>,
+    weight: usize,
     count: usize,
     workspace: &mut Workspace<T, NX, POINTS>,
 ) -> Result<T, Error>
@@ -243,14 +215,15 @@ where
 {
     let Workspace { basis, gradient, steps, normal, .. } = workspace;
     let last = problem
-        .end_steps(basis, &found.end, &found.end_velocity)
+        .end_steps(basis, &sums.end, &sums.end_velocity)
         .ok_or(Error::Singular { matrix: "output Jacobian" })?;
     *steps = [SVector::zeros(); POINTS];
     for (k, step) in last.iter().enumerate() {
         steps[count - 1 - k] = *step;
     }
-    // The matrix has been summed over the samples of another window.
-    let scale = factored.intervals() / problem.window.intervals();
+    // The matrix has weight one in every span.
+    let spans = problem.window.spans;
+    let scale = T::from_f64(spans as f64) / T::from_f64(weight as f64);
     for entry in gradient.iter_mut() {
         *entry *= scale;
     }
@@ -258,15 +231,14 @@ where
     for entry in &mut right {
         *entry = -*entry;
     }
-    normal.shift_given(count, steps, &mut right);
-    normal.solve(&mut right);
+    normal.solve(count, steps, &mut right);
     let free = normal.free();
     steps[free.clone()].copy_from_slice(&right[free.clone()]);
     let mut reduction = T::zero();
     for index in free {
         reduction += steps[index].dot(&gradient[index]);
     }
-    let change = root_mean(reduction.abs(), factored.count);
+    let change = root_mean(reduction.abs(), spans);
     if change.is_finite() {
         return Ok(larger(change, &SVector::<T, 1>::zeros()));
     }

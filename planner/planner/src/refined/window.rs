@@ -9,18 +9,16 @@ use shapebot_dynamics::Ordered;
 /// Fewest samples of a refined plan: two for each of four spans.
 pub const MIN_REFINED_SAMPLES: usize = 9;
 
-/// Samples in a span of a thinned window.
-const SAMPLES_PER_SPAN: usize = 5;
-const LARGEST_STRIDE: usize = 4096;
-
-/// Equidistant samples of the window; those of the motion itself lie among them.
+/// Equidistant samples of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Window<T> {
-    /// The motion's own samples.
-    grid: Grid<T>,
     step: T,
     /// Samples ahead of the motion.
     before: usize,
+    /// Samples of the motion itself.
+    motion: usize,
+    /// Time of the motion's last sample.
+    closing: T,
     pub(crate) count: usize,
     pub(crate) spans: usize,
 }
@@ -43,7 +41,14 @@ impl<T: Ordered> Window<T> {
         let [before, after] =
             [whole(standing[0] / grid.step())?, whole(standing[1] / grid.step())?];
         let count = grid.count + before + after;
-        let mut window = Self { grid, step: grid.step(), before, count, spans: 4 };
+        let mut window = Self {
+            step: grid.step(),
+            before,
+            motion: grid.count,
+            closing: grid.time(grid.count - 1),
+            count,
+            spans: 4,
+        };
         check_duration(window.length())?;
         let most = points.saturating_sub(super::basis::DEGREE).min((count - 1) / 2);
         if most < 4 {
@@ -72,26 +77,6 @@ impl<T: Ordered> Window<T> {
         Ok(window)
     }
 
-    /// The same window with as few of its samples as still resolve the spans.
-    pub(crate) fn thinned(&self) -> Self {
-        let intervals = [self.before, self.grid.count - 1, self.count - 1];
-        let most = ((self.count - 1) / (SAMPLES_PER_SPAN * self.spans)).max(1);
-        let divides = |stride: &usize| intervals.iter().all(|n| n.is_multiple_of(*stride));
-        let stride = (1..=most.min(LARGEST_STRIDE)).rev().find(divides).unwrap_or(1);
-        Self {
-            grid: self.grid.thinned(stride),
-            step: self.step * T::from_f64(stride as f64),
-            before: self.before / stride,
-            count: (self.count - 1) / stride + 1,
-            spans: self.spans,
-        }
-    }
-
-    /// Number of sampling intervals.
-    pub(crate) fn intervals(&self) -> T {
-        T::from_f64((self.count - 1) as f64)
-    }
-
     /// Seconds.
     pub(crate) fn length(&self) -> T {
         self.step * T::from_f64((self.count - 1) as f64)
@@ -112,8 +97,8 @@ impl<T: Ordered> Window<T> {
 
     /// Time of a sample since the motion's start; the motion's last sample is at its duration exactly.
     pub(crate) fn time(&self, index: usize) -> T {
-        if index + 1 == self.before + self.grid.count {
-            self.grid.time(self.grid.count - 1)
+        if index + 1 == self.before + self.motion {
+            self.closing
         } else {
             self.step * T::from_f64(index as f64 - self.before as f64)
         }
@@ -121,16 +106,21 @@ impl<T: Ordered> Window<T> {
 
     /// Whether a sample is one of the motion's.
     pub(crate) fn in_motion(&self, index: usize) -> bool {
-        (self.before..self.before + self.grid.count).contains(&index)
+        (self.before..self.before + self.motion).contains(&index)
     }
 
     pub(crate) fn motion_samples(&self) -> usize {
-        self.grid.count
+        self.motion
     }
 
     /// Length of a span, seconds.
     pub(crate) fn span_length(&self) -> T {
         self.length() / T::from_f64(self.spans as f64)
+    }
+
+    /// Time at a fraction of a span.
+    pub(crate) fn time_in(&self, span: usize, sigma: T) -> T {
+        self.start() + (T::from_f64(span as f64) + sigma) * self.span_length()
     }
 
     /// Span of each sample, and the fraction of it that has passed: counted in whole numbers.

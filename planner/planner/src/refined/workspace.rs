@@ -1,7 +1,7 @@
 //! The memory of the refined planner.
 
-use super::banded::Banded;
 use super::basis::{Basis, ORDER, horner};
+use super::gram::Normal;
 use nalgebra::SVector;
 use shapebot_dynamics::Ordered;
 
@@ -17,7 +17,7 @@ pub struct Workspace<T: Ordered, const NX: usize, const POINTS: usize> {
     pub(crate) points: [SVector<T, NX>; POINTS],
     pub(crate) gradient: [SVector<T, NX>; POINTS],
     pub(crate) steps: [SVector<T, NX>; POINTS],
-    pub(crate) normal: Banded<T, NX, POINTS>,
+    pub(crate) normal: Normal<T, NX, POINTS>,
 }
 
 impl<T: Ordered, const NX: usize, const POINTS: usize> Workspace<T, NX, POINTS> {
@@ -28,7 +28,7 @@ impl<T: Ordered, const NX: usize, const POINTS: usize> Workspace<T, NX, POINTS> 
             points: [SVector::zeros(); POINTS],
             gradient: [SVector::zeros(); POINTS],
             steps: [SVector::zeros(); POINTS],
-            normal: Banded::zeros(),
+            normal: Normal::empty(),
         }
     }
 }

@@ -4,14 +4,27 @@
 //! distances, with positions, rates and accelerations of all coordinates and with forces; in between
 //! it is a polynomial of fifth degree (forces: third). Evaluating it never calls Γ.
 //! [`PlanView::deviation`] says how far it is from the rows it came from.
+//!
+//! Every form has a version, a checksum and the [`RobotId`] of the robot it is for. [`PlanText`] reads
+//! CSV and JSON, [`PlanBytes`] the binary form of whatever size.
 
 mod binary;
+mod bytes;
 mod crc;
+mod read_text;
+mod robot;
 mod text;
 mod view;
 
-pub use binary::{HEADER_BYTES, VERSION, encode, encoded_len};
-pub use text::{verify_text, write_csv, write_json};
+pub use binary::{
+    HEADER_BYTES, Sizes, VERSION, encode, encode_values, encoded_len, encoded_values_len,
+};
+pub use bytes::PlanBytes;
+pub use read_text::PlanText;
+pub use robot::RobotId;
+pub use text::{
+    ColumnName, TextForm, TextWriter, state_columns, verify_text, write_csv, write_json,
+};
 pub use view::{Deviation, PlanState, PlanView, Stored};
 
 use core::fmt;
@@ -27,7 +40,19 @@ pub enum FileError {
         /// That of the file.
         found: u16,
     },
-    /// It is for another robot or another scalar.
+    /// It is for another robot, or for other values of its parameters.
+    OtherRobot {
+        /// Fingerprint in the file.
+        found: u32,
+        /// Fingerprint of the robot.
+        expected: u32,
+    },
+    /// A line of text is no row of numbers.
+    Malformed {
+        /// Counted from one.
+        line: usize,
+    },
+    /// It is for another number of coordinates, or another scalar.
     Mismatch {
         /// What differs.
         field: &'static str,
@@ -69,6 +94,14 @@ impl fmt::Display for FileError {
             Self::NotAPlan => write!(f, "this is no plan file"),
             Self::Version { found } => {
                 write!(f, "the plan file has version {found}, expected {VERSION}")
+            }
+            Self::OtherRobot { found, expected } => write!(
+                f,
+                "the plan file is for another robot or other parameters: its fingerprint is \
+                 {found:08x}, the robot's {expected:08x}"
+            ),
+            Self::Malformed { line } => {
+                write!(f, "line {line} of the plan file is no row of numbers")
             }
             Self::Mismatch { field, found, expected } => {
                 write!(f, "the plan file has {found} {field}, expected {expected}")

@@ -1,8 +1,8 @@
 //! Reading plan files in place.
 
 use super::FileError;
-use super::binary::{HEADER_BYTES, Header};
-use super::crc::crc32;
+use super::binary::Header;
+use super::robot::RobotId;
 use crate::linear_algebra::{exceeds, norm};
 use crate::plan::Row;
 use core::marker::PhantomData;
@@ -69,6 +69,7 @@ pub struct Deviation<T> {
 pub struct PlanView<'a, T, const NX: usize, const NS: usize, const F: usize> {
     nodes: &'a [u8],
     header: Header,
+    robot: RobotId<'a>,
     scalar: PhantomData<T>,
 }
 
@@ -78,9 +79,20 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
 
     /// # Errors
     ///
-    /// A [`FileError`] for bytes that are not, whole and unaltered, a plan of this version for n_x, n_s,
-    /// number of forces and scalar.
-    pub fn open(bytes: &'a [u8]) -> Result<Self, FileError> {
+    /// A [`FileError`] for bytes that are not, whole and unaltered, a plan of this version for the robot
+    /// with its parameters, n_x, n_s, number of forces and scalar.
+    pub fn open(bytes: &'a [u8], robot: &RobotId<'_>) -> Result<Self, FileError> {
+        let view = Self::open_any(bytes)?;
+        robot.check(&view.robot)?;
+        Ok(view)
+    }
+
+    /// The same for a plan of whatever robot: see [`robot`](Self::robot).
+    ///
+    /// # Errors
+    ///
+    /// Those of [`open`](Self::open), but for [`FileError::OtherRobot`].
+    pub fn open_any(bytes: &'a [u8]) -> Result<Self, FileError> {
         let header = Header::read(bytes)?;
         for (field, found, expected) in [
             ("bytes per number", usize::from(header.scalar), T::SIZE),
@@ -92,22 +104,14 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
                 return Err(FileError::Mismatch { field, found, expected });
             }
         }
-        let expected = header.file_len(Self::NODE * T::SIZE);
-        if bytes.len() != expected {
-            return Err(FileError::Truncated { found: bytes.len(), expected });
-        }
-        let (content, checksum) = bytes.split_at(expected - 4);
-        if checksum != crc32(content).to_le_bytes() {
-            return Err(FileError::Checksum);
-        }
-        let sensible = header.nodes >= 2
-            && header.start.is_finite()
-            && header.step.is_finite()
-            && header.step > 0.0;
-        if !sensible {
-            return Err(FileError::NotAPlan);
-        }
-        Ok(Self { nodes: &content[HEADER_BYTES..], header, scalar: PhantomData })
+        let nodes = header.nodes(bytes)?;
+        let robot = header.robot(bytes).ok_or(FileError::NotAPlan)?;
+        Ok(Self { nodes, header, robot, scalar: PhantomData })
+    }
+
+    /// The robot that the plan is for.
+    pub fn robot(&self) -> &RobotId<'a> {
+        &self.robot
     }
 
     /// When the plan opens, seconds since the motion's start.

@@ -5,6 +5,7 @@ pub(crate) mod derive;
 pub(crate) mod emit;
 pub(crate) mod eval;
 pub(crate) mod explain;
+pub(crate) mod inspect;
 pub(crate) mod plan;
 pub(crate) mod robots;
 pub(crate) mod table;

@@ -3,9 +3,9 @@
 use super::plan::task;
 use crate::failure::Outcome;
 use crate::output::{self, Align, Columns, number};
-use crate::planning::PlannedMotion;
+use shapebot_planning::PlannedMotion;
 use crate::plot;
-use crate::robot::bundled;
+use crate::robot::{bundled, identity};
 use indicatif::{ProgressBar, ProgressStyle};
 use shapebot_tasks::Method;
 use std::io::Write;
@@ -112,12 +112,13 @@ fn plan(row: &Row) -> Outcome<Option<Plans>> {
     }
     let (robot, mut task) = task(row.task)?;
     let robot = robot.dynamics(&[])?;
+    let id = identity(robot.description(), &[]);
     task.method = Method::Gain;
-    let gain = robot.plan(&task)?;
+    let gain = robot.plan(&task, &id)?;
     task.method = Method::Refined;
-    let refined = robot.plan(&task)?;
-    task.standing = [STANDING; 2];
-    let standing = robot.plan(&task)?;
+    let refined = robot.plan(&task, &id)?;
+    task.standing.value = [STANDING; 2];
+    let standing = robot.plan(&task, &id)?;
     Ok(Some(Plans { gain, refined, standing }))
 }
 
@@ -176,7 +177,7 @@ fn cells(row: &Row, plans: Option<&Plans>) -> Vec<String> {
         of(&|plans| number::metres(plans.gain.output_rmse)),
         of(&|plans| number::duration(plans.refined.elapsed)),
         of(&|plans| number::metres(plans.refined.output_rmse)),
-        of(&|plans| plans.refined.floor.map_or_else(none, |floor| format!("{floor:.5}"))),
+        of(&|plans| plans.refined.floor.map_or_else(|_| none(), |floor| format!("{floor:.5}"))),
         of(&|plans| number::duration(plans.standing.elapsed)),
         of(&|plans| number::metres(plans.standing.output_rmse)),
         format!("{:.3} s", row.paper.0),

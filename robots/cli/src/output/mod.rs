@@ -3,10 +3,10 @@
 mod columns;
 mod json;
 mod motion;
-pub(crate) mod number;
 
 pub(crate) use columns::{Align, Columns};
 pub(crate) use json::Json;
+pub(crate) use shapebot_planning::number;
 pub(crate) use motion::{csv, json, method, report};
 
 use crate::failure::{Failure, Outcome};

@@ -1,7 +1,7 @@
 //! A planned motion as CSV and as JSON.
 
 use super::Json;
-use crate::planning::{Detail, Phase, PlannedMotion, Row};
+use shapebot_planning::{Detail, Phase, PlannedMotion, Row};
 use serde_json::Value;
 use shapebot_dynamics::Coordinate;
 use shapebot_tasks::Method;
@@ -76,10 +76,12 @@ fn members(motion: &PlannedMotion) -> Vec<(&'static str, Value)> {
         ("method", method(motion.method).into()),
         ("output_rmse", motion.output_rmse.into()),
         ("motion_rmse", motion.motion_rmse.into()),
-        ("floor", motion.floor.into()),
+        ("floor", motion.floor.ok().into()),
         ("output_max_error", motion.output_max_error.into()),
         ("output_end_error", motion.output_end_error.into()),
         ("peak_shape", list(&motion.peak_shape)),
+        ("actuators", robot.actuators.iter().map(|actuator| actuator.name).collect()),
+        ("peak_force", list(&motion.peak_force)),
         ("planning_seconds", motion.elapsed.as_secs_f64().into()),
     ];
     match motion.phases.as_slice() {

@@ -2,7 +2,7 @@
 
 use super::{Figure, Panel, Series, Stroke};
 use crate::output::number;
-use crate::planning::{PlannedMotion, Row};
+use shapebot_planning::{PlannedMotion, Row};
 use shapebot_dynamics::Coordinate;
 
 /// Desired and planned output, their difference, and the shape.

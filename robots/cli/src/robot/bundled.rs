@@ -90,6 +90,6 @@ fn check_names(known: &[Parameter], set: &Settings) -> Outcome {
 }
 
 /// The identifier of a parameter that a file may address by a path: `I_b.xx` is `I_b_xx`.
-fn identifier(name: &str) -> String {
+pub(super) fn identifier(name: &str) -> String {
     name.replace('.', "_")
 }

@@ -3,9 +3,10 @@
 use super::{Dynamics, not_shape_accelerated};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::Outcome;
-use crate::planning::{self, PlannedMotion};
+use shapebot_planning::PlannedMotion;
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Description, LagrangianSystem, Robot, ShapeAccelerated};
+use shapebot_planner::value::RobotId;
 use shapebot_tasks::Task;
 
 /// A Lagrangian system without Γ.
@@ -27,7 +28,7 @@ impl<R: LagrangianSystem<f64, N>, const N: usize> Dynamics for Lagrangian<R, N> 
         fill_lagrangian(&self.0, selection, state, results);
     }
 
-    fn plan(&self, _task: &Task) -> Outcome<PlannedMotion> {
+    fn plan(&self, _task: &Task, _id: &RobotId<'_>) -> Outcome<PlannedMotion> {
         Err(not_shape_accelerated(self.0.description().name))
     }
 }
@@ -49,8 +50,8 @@ where
         fill_shape(&self.0, selection, state, results);
     }
 
-    fn plan(&self, task: &Task) -> Outcome<PlannedMotion> {
-        planning::plan(&self.0, task)
+    fn plan(&self, task: &Task, id: &RobotId<'_>) -> Outcome<PlannedMotion> {
+        Ok(shapebot_planning::plan(&self.0, task, id)?)
     }
 }
 

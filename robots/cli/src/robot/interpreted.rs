@@ -3,11 +3,12 @@
 use super::{Dynamics, ModelText, derive, not_shape_accelerated};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::{Failure, Outcome};
-use crate::planning::{self, PlannedMotion};
+use shapebot_planning::PlannedMotion;
 use shapebot_codegen::derive::{Derivation, Parameters, Quantity};
 use shapebot_dynamics::Description;
 use shapebot_interpreter::{Error, Tapes, check_parameters, with_interpreted};
 use shapebot_model_dsl::model::Parameter;
+use shapebot_planner::value::RobotId;
 use shapebot_tasks::Task;
 use std::cell::RefCell;
 
@@ -164,11 +165,12 @@ impl Dynamics for Interpreted {
         let _ = self.fill(selection, state, results);
     }
 
-    fn plan(&self, task: &Task) -> Outcome<PlannedMotion> {
+    fn plan(&self, task: &Task, id: &RobotId<'_>) -> Outcome<PlannedMotion> {
         if !self.is_shape_accelerated() {
             return Err(not_shape_accelerated(&self.name));
         }
         let tapes = self.tapes.clone();
-        with_interpreted!(tapes, |robot| planning::plan(&robot, task)).map_err(Failure::refused)?
+        let planned = with_interpreted!(tapes, |robot| shapebot_planning::plan(&robot, task, id));
+        Ok(planned.map_err(Failure::refused)??)
     }
 }

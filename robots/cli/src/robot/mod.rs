@@ -10,8 +10,9 @@ pub(crate) use text::{ModelText, derive, prove, rederive};
 
 use crate::commands::eval::{Results, Selection, Sizes, State};
 use crate::failure::{Failure, Outcome};
-use crate::planning::PlannedMotion;
+use shapebot_planning::PlannedMotion;
 use shapebot_dynamics::Description;
+use shapebot_planner::value::RobotId;
 use shapebot_tasks::Task;
 use std::path::Path;
 
@@ -26,8 +27,8 @@ pub(crate) trait Dynamics {
     /// Computes the selected fields at a state whose vectors have the robot's lengths.
     fn evaluate(&self, selection: &Selection, state: &State, results: &mut Results);
 
-    /// Plans a motion.
-    fn plan(&self, task: &Task) -> Outcome<PlannedMotion>;
+    /// Plans a motion; `id` is what the plan's files say about the robot.
+    fn plan(&self, task: &Task, id: &RobotId<'_>) -> Outcome<PlannedMotion>;
 
     /// Numbers of coordinates.
     fn sizes(&self) -> Sizes {
@@ -80,3 +81,14 @@ impl Source {
         }
     }
 }
+
+/// What the files of plans say about a robot with some parameters set.
+pub(crate) fn identity<'d>(description: &'d Description, set: &[(String, f64)]) -> RobotId<'d> {
+    RobotId::with(description, |name| {
+        let set = set.iter().find(|(given, _)| bundled::identifier(given) == name);
+        set.map(|(_, value)| *value)
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -8,6 +8,8 @@ pub(crate) struct Curve {
     pub(crate) name: &'static str,
     /// Samples and seconds.
     pub(crate) points: Vec<(f64, f64)>,
+    /// Seconds per plan and per sample.
+    pub(crate) fit: (f64, f64),
 }
 
 const COLORS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
@@ -34,7 +36,8 @@ fn fraction(value: f64, (low, high): (i32, i32)) -> f64 {
     (value.log10() - f64::from(low)) / f64::from(high - low)
 }
 
-/// Time over samples, with a dashed line of exact proportion.
+/// Time over samples: what was measured as points, the straight line through them, which the logarithmic
+/// axes bend, and a dashed line of exact proportion.
 pub(crate) fn figure(curves: &[Curve]) -> String {
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
@@ -46,13 +49,23 @@ pub(crate) fn figure(curves: &[Curve]) -> String {
     line(&mut svg, [x(1e2), y(1e-4), x(1e5), y(1e-1)], "#888888\" stroke-dasharray=\"4 4");
     text(&mut svg, x(1e5) + 6.0, y(1e-1), "start", "proportional");
     for (index, (curve, color)) in curves.iter().zip(COLORS).enumerate() {
-        let points = curve.points.iter().map(|&(n, t)| format!("{:.1},{:.1}", x(n), y(t)));
+        let (fixed, slope) = curve.fit;
+        let at = |k: i32| 10_f64.powf(2.0 + f64::from(k) / 10.0);
+        let points = (0..=30).map(|k| {
+            let count = at(k);
+            format!("{:.1},{:.1}", x(count), y(fixed + slope * count))
+        });
         let points = points.collect::<Vec<_>>().join(" ");
         // Writing to a String cannot fail.
         let _ = writeln!(
             svg,
             "<polyline points=\"{points}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"1.8\"/>"
         );
+        for &(count, time) in &curve.points {
+            let (x, y) = (x(count), y(time));
+            let _ =
+                writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.5\" fill=\"{color}\"/>");
+        }
         let (left, at) = (WIDTH - RIGHT + 16.0, TOP + 200.0 + 20.0 * index as f64);
         line(&mut svg, [left, at - 4.0, left + 18.0, at - 4.0], color);
         text(&mut svg, left + 24.0, at, "start", curve.name);

@@ -5,11 +5,12 @@ mod request;
 use crate::args::PlanArgs;
 use crate::failure::Outcome;
 use crate::output::{self, number};
-use crate::planning::{Detail, Phase, PlannedMotion};
+use shapebot_planning::{Detail, Phase, PlannedMotion};
 use crate::plot;
+use crate::robot::identity;
 use request::Request;
 use shapebot_dynamics::Coordinate;
-use shapebot_tasks::{Motion, Task};
+use shapebot_tasks::{Method, Motion, Task};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -17,7 +18,7 @@ pub(crate) use request::task;
 
 pub(crate) fn run(args: &PlanArgs) -> Outcome {
     let Request { name, robot, task } = request::request(args)?;
-    let motion = robot.plan(&task)?;
+    let motion = robot.plan(&task, &identity(robot.description(), &args.parameters.values))?;
     let mut stdout = anstream::stdout().lock();
     let title = task.title.clone();
     let title = title
@@ -69,7 +70,7 @@ fn describe(task: &Task, motion: &PlannedMotion) -> String {
         Motion::Legs(legs) => format!("{} legs", legs.len()),
         Motion::TwoPhases { duration, .. } => format!("two phases, {duration} s"),
     };
-    format!("{path}, {} samples", task.samples)
+    format!("{path}, {} samples", task.samples.value)
 }
 
 fn write_summary(to: &mut impl Write, title: &str, motion: &PlannedMotion) -> io::Result<()> {
@@ -87,14 +88,28 @@ fn summary(motion: &PlannedMotion) -> Vec<(String, String)> {
     let shape = motion.description.shape_coordinates();
     let mut lines = vec![("method".to_owned(), output::method(motion.method).to_owned())];
     lines.push(length("RMSE", motion.output_rmse));
-    lines.extend(motion.floor.map(|floor| length("floor", floor)));
+    match motion.floor {
+        Ok(floor) => lines.push(length("floor", floor)),
+        Err(why) if motion.method == Method::Refined => lines.push(("floor".into(), why.into())),
+        Err(_) => {}
+    }
     lines.push(length("largest error", motion.output_max_error));
     lines.push(length("error at end", motion.output_end_error));
     let peaks = shape.iter().zip(&motion.peak_shape);
     lines.extend(peaks.map(|(c, peak)| (format!("peak {}", c.name), angle(c, *peak))));
+    let forces = motion.description.actuators.iter().zip(&motion.peak_force);
+    lines.extend(forces.map(|(actuator, peak)| {
+        let text = format!("{} {}", number::significant(*peak, 4), actuator.unit);
+        (format!("peak {}", actuator.name), text)
+    }));
     lines.push(("planning time".to_owned(), number::duration(motion.elapsed)));
-    for phase in &motion.phases {
-        lines.extend(phase_summary(motion, phase));
+    let single = motion.phases.len() == 1;
+    for (phase, half) in motion.phases.iter().zip(["accelerate", "brake"]) {
+        let summary = phase_summary(motion, phase).into_iter();
+        lines.extend(summary.map(|(name, value)| match single {
+            true => (name, value),
+            false => (format!("{half}: {name}"), value),
+        }));
     }
     lines
 }
@@ -143,9 +158,13 @@ fn angle(coordinate: &Coordinate, value: f64) -> String {
 fn contributions(motion: &PlannedMotion, weights: &[f64]) -> String {
     let pairs = motion.description.shape_sets.iter().zip(weights);
     let moving = pairs.filter(|(_, weight)| **weight != 0.0);
-    moving.map(|(set, weight)| format!("{} {weight}", set.name)).collect::<Vec<_>>().join(", ")
+    let share = |weight: &f64| number::share(*weight);
+    moving
+        .map(|(set, weight)| format!("{} {}", set.name, share(weight)))
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 fn entries(values: &[f64]) -> String {
-    values.iter().map(|&value| number::significant(value, 6)).collect::<Vec<_>>().join("  ")
+    values.iter().map(|&value| number::significant(value + 0.0, 6)).collect::<Vec<_>>().join("  ")
 }

@@ -7,6 +7,7 @@ use shapebot_dynamics::Description;
 use shapebot_tasks::{
     Dimension, Method, Motion, Objective, Quantities, Said, Shares, TASKS, Task, parse,
 };
+use shapebot_tasks::simulation::{Paper, Simulation};
 use std::path::Path;
 
 const SAMPLES: usize = 501;
@@ -117,13 +118,17 @@ fn of_robot(args: &PlanArgs) -> Outcome<Request> {
         title: None,
         robot: said("", args.subject.clone()),
         method: Method::Gain,
-        objective: Objective::Position,
-        samples: SAMPLES,
-        standing: [0.0; 2],
-        shares,
+        objective: Said::default(),
+        samples: said("", SAMPLES),
+        standing: Said::default(),
+        shares: said("--weights", shares),
         limits: Vec::new(),
+        force_limits: Vec::new(),
         motion: said("", motion),
         constraints: Vec::new(),
+        simulation: Simulation::default(),
+        is_experiment: false,
+        paper: Paper::default(),
     };
     let name = description.name.to_owned();
     Ok(Request { name, robot, task })
@@ -159,16 +164,19 @@ fn override_task(args: &PlanArgs, task: &mut Task) {
         };
     }
     if let Some(objective) = args.objective {
-        task.objective = match objective {
-            args::Objective::Position => Objective::Position,
-            args::Objective::Acceleration => Objective::Acceleration,
-            args::Objective::Coordinates => Objective::Coordinates,
-        };
+        task.objective = said(
+            "--objective",
+            match objective {
+                args::Objective::Position => Objective::Position,
+                args::Objective::Acceleration => Objective::Acceleration,
+                args::Objective::Coordinates => Objective::Coordinates,
+            },
+        );
     }
     if let Some(samples) = args.samples {
-        task.samples = samples;
+        task.samples = said("--samples", samples);
     }
     if let Some(standing) = args.standing {
-        task.standing = [standing; 2];
+        task.standing = said("--standing", [standing; 2]);
     }
 }

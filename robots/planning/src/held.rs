@@ -8,8 +8,8 @@ type Robot<'a, const NX: usize, const NS: usize> = dyn ShapeAccelerated<f64, NX,
 
 /// Constrained shape sets, or none.
 #[derive(Clone, Copy)]
-pub(super) struct Held<'a, const NX: usize, const NS: usize>(
-    pub(super) Option<Constrained<'a, Robot<'a, NX, NS>, f64, NX, NS>>,
+pub(crate) struct Held<'a, const NX: usize, const NS: usize>(
+    pub(crate) Option<Constrained<'a, Robot<'a, NX, NS>, f64, NX, NS>>,
 );
 
 impl<const NX: usize, const NS: usize> ShapeConstraint<f64, NX, NS> for Held<'_, NX, NS> {

@@ -7,47 +7,49 @@ use std::time::Duration;
 
 /// A planned motion, what it was planned with and how well it does.
 #[derive(Clone, Debug)]
-pub(crate) struct PlannedMotion {
+pub struct PlannedMotion {
     /// The robot.
-    pub(crate) description: Description,
+    pub description: Description,
     /// How it was planned.
-    pub(crate) method: Method,
+    pub method: Method,
     /// Its phases, one after the other: nearly always one.
-    pub(crate) phases: Vec<Phase>,
+    pub phases: Vec<Phase>,
     /// Root of the mean squared error of the output, over the whole window.
-    pub(crate) output_rmse: f64,
+    pub output_rmse: f64,
     /// The same within the motion's own time, without standing.
-    pub(crate) motion_rmse: f64,
-    /// Below which no plan's error over the same window can be.
-    pub(crate) floor: Option<f64>,
+    pub motion_rmse: f64,
+    /// Below which no plan's error over the same window can be, or why that is not known.
+    pub floor: Result<f64, &'static str>,
     /// Largest error of the output.
-    pub(crate) output_max_error: f64,
+    pub output_max_error: f64,
     /// Error of the output at the end.
-    pub(crate) output_end_error: f64,
+    pub output_end_error: f64,
     /// Largest magnitude of each shape coordinate.
-    pub(crate) peak_shape: Vec<f64>,
+    pub peak_shape: Vec<f64>,
+    /// Largest magnitude of each actuator's force.
+    pub peak_force: Vec<f64>,
     /// Time that the planner took.
-    pub(crate) elapsed: Duration,
+    pub elapsed: Duration,
     /// Samples.
-    pub(crate) rows: Vec<Row>,
+    pub rows: Vec<Row>,
     /// The plan as files.
-    pub(crate) files: PlanFiles,
+    pub files: PlanFiles,
 }
 
 /// A phase of a plan.
 #[derive(Clone, Debug)]
-pub(crate) struct Phase {
+pub struct Phase {
     /// Contribution of each shape set, if the plan was made with contributions.
-    pub(crate) weights: Option<Vec<f64>>,
+    pub weights: Option<Vec<f64>>,
     /// K, n_s rows of n_x; K⁰ of a refined plan.
-    pub(crate) gain: Vec<Vec<f64>>,
+    pub gain: Vec<Vec<f64>>,
     /// What its method knows.
-    pub(crate) detail: Detail,
+    pub detail: Detail,
 }
 
 /// What a method knows about its plan.
 #[derive(Clone, Debug)]
-pub(crate) enum Detail {
+pub enum Detail {
     /// The constant gain.
     Gain(GainDetail),
     /// The refined planner.
@@ -56,64 +58,66 @@ pub(crate) enum Detail {
 
 /// What Algorithm 1 knows about its plan.
 #[derive(Clone, Debug)]
-pub(crate) struct GainDetail {
+pub struct GainDetail {
     /// K⁰.
-    pub(crate) initial_gain: Vec<Vec<f64>>,
+    pub initial_gain: Vec<Vec<f64>>,
     /// K times the direction of a straight motion.
-    pub(crate) along: Option<Vec<f64>>,
+    pub along: Option<Vec<f64>>,
     /// Objective at K.
-    pub(crate) cost: f64,
+    pub cost: f64,
     /// Objective at K⁰.
-    pub(crate) initial_cost: f64,
+    pub initial_cost: f64,
     /// Steps of the optimiser.
-    pub(crate) iterations: usize,
+    pub iterations: usize,
     /// Evaluations of Γ.
-    pub(crate) evaluations: usize,
+    pub evaluations: usize,
     /// Why the optimiser ended.
-    pub(crate) termination: Termination,
+    pub termination: Termination,
     /// What is doubtful.
-    pub(crate) warning: Option<String>,
+    pub warning: Option<String>,
 }
 
 /// What the refined planner knows about its plan.
 #[derive(Clone, Debug)]
-pub(crate) struct RefinedDetail {
+pub struct RefinedDetail {
     /// τ², n_x rows, s².
-    pub(crate) time_constant: Vec<Vec<f64>>,
+    pub time_constant: Vec<Vec<f64>>,
     /// Spans of the spline.
-    pub(crate) spans: usize,
+    pub spans: usize,
     /// Sweeps of Γ.
-    pub(crate) sweeps: usize,
+    pub sweeps: usize,
     /// Evaluations of Γ.
-    pub(crate) evaluations: usize,
+    pub evaluations: usize,
     /// Whether the sweeps converged.
-    pub(crate) converged: bool,
+    pub converged: bool,
 }
 
 /// A plan in the forms of [`shapebot_planner::value`], with the generalised forces that it takes.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PlanFiles {
+pub struct PlanFiles {
     /// CSV.
-    pub(crate) csv: String,
+    pub csv: String,
     /// JSON.
-    pub(crate) json: String,
+    pub json: String,
     /// Binary.
-    pub(crate) binary: Vec<u8>,
+    pub binary: Vec<u8>,
 }
 
 /// One sample of a planned motion.
 #[derive(Clone, Debug)]
-pub(crate) struct Row {
+pub struct Row {
     /// Seconds.
-    pub(crate) time: f64,
+    pub time: f64,
     /// x^d, desired output.
-    pub(crate) desired: Vec<f64>,
+    pub desired: Vec<f64>,
+    /// Its velocity.
+    pub desired_velocity: Vec<f64>,
     /// Output that the plan reaches.
-    pub(crate) output: Vec<f64>,
+    pub output: Vec<f64>,
     /// q_x, q̇_x, q̈_x.
-    pub(crate) position: [Vec<f64>; 3],
+    pub position: [Vec<f64>; 3],
     /// q_s, q̇_s, q̈_s.
-    pub(crate) shape: [Vec<f64>; 3],
+    pub shape: [Vec<f64>; 3],
 }
 
 impl Row {
@@ -125,6 +129,7 @@ impl Row {
         Self {
             time: plan.time,
             desired: list(plan.desired.output[0].as_slice()),
+            desired_velocity: list(plan.desired.output[1].as_slice()),
             output: list(row.output.as_slice()),
             position: [&row.position, &row.velocity, &row.acceleration].map(|v| list(v.as_slice())),
             shape: [&plan.shape, &plan.shape_velocity, &plan.shape_acceleration]
@@ -135,7 +140,7 @@ impl Row {
 
 impl PlannedMotion {
     /// Words for how the search ended.
-    pub(crate) fn termination(&self) -> &'static str {
+    pub fn termination(&self) -> &'static str {
         let ends = self.phases.iter().map(|phase| phase.detail.termination());
         let mut worst = "converged";
         for end in ends {
@@ -149,7 +154,7 @@ impl PlannedMotion {
 
 impl Detail {
     /// Words for how the search ended.
-    pub(crate) const fn termination(&self) -> &'static str {
+    pub const fn termination(&self) -> &'static str {
         match self {
             Self::Gain(gain) => termination(gain.termination),
             Self::Refined(RefinedDetail { converged: true, .. }) => "converged",

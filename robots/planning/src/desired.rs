@@ -1,9 +1,10 @@
 //! Desired motions of a task, at the robot's sizes.
 
-use super::failure;
-use crate::failure::{Failure, Outcome};
+use crate::error::{Outcome, Refusal};
+use crate::number;
+use crate::refusal::failure;
 use nalgebra::SVector;
-use shapebot_dynamics::Description;
+use shapebot_dynamics::{Coordinate, Description};
 use shapebot_planner::motion::{
     Bezier, DesiredMotion, Knot, Legs, Line, Rest, Waypoint, Waypoints,
 };
@@ -14,7 +15,7 @@ use shapebot_tasks::{Constraint, Motion, Quantities, Said, Task};
 const DEGREE: usize = 9;
 
 /// A point of the output space.
-pub(super) fn point<const NX: usize>(
+pub(crate) fn point<const NX: usize>(
     said: &Said<Quantities>,
     robot: &Description,
 ) -> Outcome<SVector<f64, NX>> {
@@ -36,11 +37,11 @@ fn entries<const N: usize>(
             "{}: {found} {numbers} for a point, the robot's {what} has {N}: {names}",
             said.place
         );
-        return Err(Failure::usage(message));
+        return Err(Refusal::task(message));
     }
     if dimension.unit() != unit {
         let found = dimension.unit();
-        return Err(Failure::usage(format!(
+        return Err(Refusal::task(format!(
             "{}: given in {found}, the robot's {what} is in {unit}",
             said.place
         )));
@@ -88,7 +89,7 @@ impl<const NX: usize> Piece<NX> {
                 let phases = TwoPhases::new(from, point(goal, robot)?, *duration);
                 Self::Phases(phases.map_err(failure)?)
             }
-            Motion::Legs(_) => return Err(Failure::usage("legs within legs")),
+            Motion::Legs(_) => return Err(Refusal::task("legs within legs")),
         })
     }
 
@@ -108,7 +109,7 @@ impl<const NX: usize> Piece<NX> {
 }
 
 /// Calls a function with the desired motion of a task.
-pub(super) fn with_motion<const NX: usize, O>(
+pub(crate) fn with_motion<const NX: usize, O>(
     task: &Task,
     robot: &Description,
     then: impl FnOnce(&dyn DesiredMotion<f64, NX>) -> Outcome<O>,
@@ -138,7 +139,7 @@ pub(super) fn with_motion<const NX: usize, O>(
 }
 
 /// The lines along which a constrained shape set goes.
-pub(super) fn constraint_lines<const NX: usize>(
+pub(crate) fn constraint_lines<const NX: usize>(
     constraint: &Constraint,
     robot: &Description,
 ) -> Outcome<Vec<Line<f64, NX>>> {
@@ -151,7 +152,11 @@ pub(super) fn constraint_lines<const NX: usize>(
     let mut lines = Vec::new();
     for leg in &constraint.legs {
         let to = match &leg.to {
-            Some(to) => entries(to, unit, set.name, &names)?,
+            Some(to) => {
+                let values: SVector<f64, NX> = entries(to, unit, set.name, &names)?;
+                check_ranges(coordinates, values.as_slice()).map_err(|e| e.at(&to.place))?;
+                values
+            }
             None => at,
         };
         let line = Line::new(at, to, leg.duration, DEGREE);
@@ -161,8 +166,24 @@ pub(super) fn constraint_lines<const NX: usize>(
     Ok(lines)
 }
 
+/// Refuses values outside of the declared ranges.
+fn check_ranges(coordinates: &[Coordinate], values: &[f64]) -> Outcome {
+    for (coordinate, &value) in coordinates.iter().zip(values) {
+        let (lower, upper) = (coordinate.lower, coordinate.upper);
+        if !(lower..=upper).contains(&value) {
+            let (unit, [value, lower, upper]) =
+                number::shown(coordinate.unit, [value, lower, upper]);
+            return Err(Refusal::task(format!(
+                "{value} {unit} is outside of the range of `{}`, {lower} to {upper} {unit}",
+                coordinate.name
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// The constrained shape sets with their trajectories.
-pub(super) fn set_motions<'l, const NX: usize>(
+pub(crate) fn set_motions<'l, const NX: usize>(
     task: &Task,
     robot: &Description,
     legs: &'l [Legs<'l, Line<f64, NX>, f64, NX>],
@@ -175,8 +196,8 @@ pub(super) fn set_motions<'l, const NX: usize>(
 }
 
 /// Index of a shape set.
-pub(super) fn shape_set(said: &Said<String>, robot: &Description) -> Outcome<usize> {
+pub(crate) fn shape_set(said: &Said<String>, robot: &Description) -> Outcome<usize> {
     let known = || robot.shape_sets.iter().map(|set| set.name);
     let index = known().position(|name| name == said.value);
-    index.ok_or_else(|| Failure::unknown("shape set", &said.value, known()).at(&said.place))
+    index.ok_or_else(|| Refusal::unknown("shape set", &said.value, known()).at(&said.place))
 }

@@ -2,13 +2,27 @@
 
 use std::time::Duration;
 
-/// A length with as many decimals as tenths of a millimetre, more where it is shorter than that.
-pub(crate) fn metres(value: f64) -> String {
-    if value == 0.0 || value.abs() >= 5e-5 { format!("{value:.4}") } else { format!("{value:.1e}") }
+/// A length in tenths of millimetres, in two digits where it is short.
+#[must_use]
+pub fn metres(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        short if short < 1e-4 => format!("{value:.1e}"),
+        short if short < 5e-3 => significant(value, 2),
+        _ => format!("{value:.4}"),
+    }
+}
+
+/// A share of the whole, without zeros at its end.
+#[must_use]
+pub fn share(value: f64) -> String {
+    let text = format!("{value:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// About `digits` significant digits.
-pub(crate) fn significant(value: f64, digits: usize) -> String {
+#[must_use]
+pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
@@ -21,7 +35,8 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
 }
 
 /// Values for people: angles in degrees, four digits.
-pub(crate) fn shown<const N: usize>(unit: &str, values: [f64; N]) -> (&str, [String; N]) {
+#[must_use]
+pub fn shown<const N: usize>(unit: &str, values: [f64; N]) -> (&str, [String; N]) {
     let text = |value: f64| {
         let text = significant(value, 4);
         let fraction = text.contains('.') && !text.contains('e');
@@ -34,7 +49,8 @@ pub(crate) fn shown<const N: usize>(unit: &str, values: [f64; N]) -> (&str, [Str
 }
 
 /// A duration in the unit that suits it.
-pub(crate) fn duration(value: Duration) -> String {
+#[must_use]
+pub fn duration(value: Duration) -> String {
     let seconds = value.as_secs_f64();
     match seconds {
         s if s >= 1.0 => format!("{s:.3} s"),
@@ -45,13 +61,15 @@ pub(crate) fn duration(value: Duration) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{duration, metres, shown, significant};
+    use super::{duration, metres, share, shown, significant};
     use std::time::Duration;
 
     #[test]
     fn numbers_have_the_digits_that_matter() {
         assert_eq!(metres(0.02113), "0.0211");
         assert_eq!(metres(0.000_012), "1.2e-5");
+        assert_eq!(metres(0.000_247), "0.00025");
+        assert_eq!((share(1.0 / 3.0), share(1.0)), ("0.3333".to_owned(), "1".to_owned()));
         assert_eq!(significant(82.162_65, 4), "82.16");
         assert_eq!(significant(-0.001_234_5, 3), "-0.00123");
         assert_eq!(significant(1.5e-9, 3), "1.50e-9");

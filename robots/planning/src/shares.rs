@@ -1,13 +1,12 @@
 //! How the shape sets share the work, at the robot's sizes.
 
-use super::desired::shape_set;
-use crate::failure::{Failure, Outcome};
-use nalgebra::SVector;
+use crate::desired::shape_set;
+use crate::error::{Outcome, Refusal};
 use shapebot_dynamics::{Description, ShapeSet};
-use shapebot_tasks::{Quantities, Said};
+use shapebot_tasks::Said;
 
 /// Contributions in the order of the robot's shape sets.
-pub(super) fn contributions(
+pub(crate) fn contributions(
     given: &[(Said<String>, f64)],
     robot: &Description,
 ) -> Outcome<Vec<f64>> {
@@ -16,52 +15,26 @@ pub(super) fn contributions(
         let index = shape_set(set, robot)?;
         if contributions[index].replace(*value).is_some() {
             let message = format!("the weight of `{}` is given twice", set.value);
-            return Err(Failure::usage(message).at(&set.place));
+            return Err(Refusal::task(message).at(&set.place));
         }
     }
     Ok(contributions.into_iter().map(Option::unwrap_or_default).collect())
 }
 
 /// Everything from the one free set without an actuator if there is exactly one among several, else the
-/// smallest shape.
-pub(super) fn default_contributions(sets: &[ShapeSet]) -> Option<Vec<f64>> {
-    let lone = sets.len() > 1 && sets.iter().filter(|set| !set.actuated).count() == 1;
-    lone.then(|| sets.iter().map(|set| if set.actuated { 0.0 } else { 1.0 }).collect())
-}
-
-/// Bounds on the magnitude of the shape coordinates: those of sets without a limit at their range.
-pub(super) fn limits<const NS: usize>(
-    given: &[(Said<String>, Quantities)],
-    robot: &Description,
-) -> Outcome<Option<SVector<f64, NS>>> {
-    if given.is_empty() {
-        return Ok(None);
-    }
-    let coordinates = robot.shape_coordinates();
-    let mut limits = SVector::from_fn(|i, _| {
-        let range = coordinates.get(i).map_or(f64::MAX, |c| c.lower.abs().max(c.upper.abs()));
-        range.min(f64::MAX)
-    });
-    for (said, Quantities { values, dimension }) in given {
-        let set = &robot.shape_sets[shape_set(said, robot)?];
-        let wrong = |message: String| Err(Failure::usage(message).at(&said.place));
-        if values.len() != 1 && values.len() != set.len {
-            return wrong(format!("expected one number or {}, found {}", set.len, values.len()));
-        }
-        for k in 0..set.len {
-            let unit = coordinates.get(set.first + k).map_or("rad", |c| c.unit);
-            if unit != dimension.unit() {
-                return wrong(format!("expected {unit}, found {}", dimension.unit()));
-            }
-            limits[set.first + k] = values[k % values.len()];
-        }
-    }
-    Ok(Some(limits))
+/// smallest shape. `held` are the constrained sets.
+pub(crate) fn default_contributions(sets: &[ShapeSet], held: &[usize]) -> Option<Vec<f64>> {
+    let mut unactuated = (0..sets.len()).filter(|&index| !sets[index].actuated);
+    let lone = match (unactuated.next(), unactuated.next()) {
+        (Some(lone), None) if sets.len() > 1 && !held.contains(&lone) => lone,
+        _ => return None,
+    };
+    Some((0..sets.len()).map(|index| if index == lone { 1.0 } else { 0.0 }).collect())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{contributions, default_contributions, limits};
+    use super::{contributions, default_contributions};
     use shapebot_dynamics::{Description, ShapeSet};
     use shapebot_tasks::Said;
 
@@ -76,8 +49,9 @@ mod tests {
 
     #[test]
     fn by_default_the_unactuated_set_does_it_all() {
-        assert_eq!(default_contributions(&SETS), Some(vec![0.0, 1.0]));
-        assert_eq!(default_contributions(&SETS[1..]), None);
+        assert_eq!(default_contributions(&SETS, &[0]), Some(vec![0.0, 1.0]));
+        assert_eq!(default_contributions(&SETS, &[1]), None);
+        assert_eq!(default_contributions(&SETS[1..], &[]), None);
     }
 
     #[test]
@@ -91,11 +65,6 @@ mod tests {
         let pair = |name: &str| (said(name), 0.5);
         assert!(contributions(&[pair("phy")], &description()).is_err());
         assert!(contributions(&[pair("phi"), pair("phi")], &description()).is_err());
-    }
-
-    #[test]
-    fn limits_are_per_set_or_per_coordinate() {
-        assert_eq!(limits::<4>(&[], &description()).unwrap(), None);
     }
 
     fn description() -> Description {

@@ -1,0 +1,169 @@
+//! One experiment: reference, controller and plant in a loop.
+
+use crate::Error;
+use crate::experiment::Experiment;
+use crate::gains::gains;
+use crate::reference::reference;
+use crate::scenario::scenario;
+use crate::subject::{Subject, System};
+use shapebot_control::{Controller, Gains};
+use shapebot_dynamics::Robot;
+use shapebot_planner::value::RobotId;
+use shapebot_planning::{PlannedMotion, Refusal};
+use shapebot_report::Recorder;
+use shapebot_sim::{Lqr, LqrWeights, Run, Scenario, Table, Timing, Tracker, World, simulate};
+use shapebot_tasks::simulation::Law;
+use shapebot_tasks::{Said, Task};
+
+/// Standing after the plan if the task does not say, s.
+const AFTER: f64 = 2.0;
+
+/// Recorded instants per second.
+const RECORDED: f64 = 100.0;
+
+/// Shown instants of an animation per second.
+const SHOWN: f64 = 25.0;
+
+/// Everything that stays the same from run to run of a task.
+pub(crate) struct Loops<'a, R, const N: usize, const NX: usize, const NS: usize> {
+    pub(crate) subject: Subject<'a, R, N>,
+    pub(crate) task: &'a Task,
+    pub(crate) planned: &'a PlannedMotion,
+    pub(crate) reference: Table<N, NX, NS>,
+    gains: Gains<f64, NX, NS>,
+}
+
+impl<'a, R, const N: usize, const NX: usize, const NS: usize> Loops<'a, R, N, NX, NS>
+where
+    R: Robot<f64, N, NX, NS>,
+{
+    pub(crate) fn new(
+        subject: Subject<'a, R, N>,
+        task: &'a Task,
+        planned: &'a PlannedMotion,
+        id: &RobotId<'_>,
+    ) -> Result<Self, Error> {
+        let gains = gains(subject.model, subject.design, planned, &task.simulation)?;
+        let reference = reference(subject.model, planned, id, gains.period)?;
+        Ok(Self { subject, task, planned, reference, gains })
+    }
+
+    /// When the plan ends, s.
+    pub(crate) fn duration(&self) -> f64 {
+        self.reference.step() * (self.reference.moments().len() - 1) as f64
+    }
+
+    /// The plant of the task, with further parameters set.
+    pub(crate) fn plant(&self, set: &[(&str, f64)]) -> Result<Box<System<N>>, Refusal> {
+        let simulation = &self.task.simulation;
+        let own = simulation.plant.iter().map(|(name, value)| (name.value.clone(), *value));
+        let mut all: Vec<(String, f64)> = own.collect();
+        for (name, value) in set {
+            all.retain(|(other, _)| other != name);
+            all.push(((*name).to_owned(), *value));
+        }
+        let model = simulation.plant_model.as_ref();
+        let place = simulation.plant.first().map(|(name, _)| &name.place);
+        let place = model.map(|model| &model.place).or(place);
+        let plant = self.subject.plants.plant(model.map(|model| model.value.as_str()), &all);
+        plant.map_err(|refusal| refusal.at(place.map_or("", String::as_str)))
+    }
+
+    /// One run; samples per second are recorded, or the first and the last only.
+    pub(crate) fn run(
+        &self,
+        plant: &System<N>,
+        scenario: &Scenario<NX, NS>,
+        recorded: Option<f64>,
+    ) -> Result<Run<N, NX, NS>, Error> {
+        match self.task.simulation.law {
+            Law::Planned => {
+                let mut controller = Controller::new(self.subject.model, &self.gains)?;
+                self.follow(plant, scenario, recorded, &mut controller)
+            }
+            Law::Regulator => self.follow(plant, scenario, recorded, &mut self.regulator()?),
+        }
+    }
+
+    fn follow(
+        &self,
+        plant: &System<N>,
+        scenario: &Scenario<NX, NS>,
+        recorded: Option<f64>,
+        tracker: &mut dyn Tracker<N, NX, NS>,
+    ) -> Result<Run<N, NX, NS>, Error> {
+        let period = self.gains.period;
+        let timing = Timing {
+            period,
+            after: self.task.simulation.after.unwrap_or(AFTER),
+            record_every: recorded.map_or(0, |rate| every(period, rate)),
+            ..Timing::default()
+        };
+        let world = World { system: plant, map: self.subject.model, scenario, timing };
+        Ok(simulate(&world, &self.reference, tracker)?)
+    }
+
+    fn regulator(&self) -> Result<Lqr<'a, N, NX, NS>, Error> {
+        let Said { value, place } = &self.task.simulation.weights;
+        let weights = LqrWeights { state: value.state.clone(), actuator: value.actuator.clone() };
+        Lqr::new(self.subject.model, &weights, self.gains.period).map_err(|error| match error {
+            shapebot_sim::Error::Invalid { .. } => Refusal::task(error).at(place).into(),
+            other => other.into(),
+        })
+    }
+}
+
+/// Steps of `period` per recorded instant.
+fn every(period: f64, rate: f64) -> usize {
+    ((1.0 / (rate * period)).round() as usize).max(1)
+}
+
+/// Runs a planned task; `id` is the robot that the plan has to be for.
+///
+/// # Errors
+///
+/// A task that makes no sense for the robot, a plan of another robot, a controller or simulation that
+/// is refused.
+pub fn run<R, const N: usize, const NX: usize, const NS: usize>(
+    subject: Subject<'_, R, N>,
+    task: &Task,
+    planned: &PlannedMotion,
+    id: &RobotId<'_>,
+) -> Result<Experiment, Error>
+where
+    R: Robot<f64, N, NX, NS>,
+{
+    let loops = Loops::new(subject, task, planned, id)?;
+    let scenario = scenario(subject.model, &task.simulation)?;
+    let plant = loops.plant(&[])?;
+    loops.recorded(&*plant, &scenario)
+}
+
+impl<R, const N: usize, const NX: usize, const NS: usize> Loops<'_, R, N, NX, NS>
+where
+    R: Robot<f64, N, NX, NS>,
+{
+    /// A run with samples and animation.
+    pub(crate) fn recorded(
+        &self,
+        plant: &System<N>,
+        scenario: &Scenario<NX, NS>,
+    ) -> Result<Experiment, Error> {
+        let run = self.run(plant, scenario, Some(RECORDED))?;
+        let plan = (self.planned.output_rmse, self.duration());
+        let description = self.subject.model.description();
+        let mut experiment = Experiment::of(description, self.task, plan, &run);
+        experiment.frame_every = every(1.0 / RECORDED, SHOWN);
+        let mut recorder = Recorder::new(self.subject.model);
+        for sample in run.samples.iter().step_by(experiment.frame_every) {
+            recorder.push(&sample.state.q, &sample.desired, &sample.planned);
+        }
+        experiment.animation = Some(recorder.finish());
+        if self.task.simulation.law == Law::Regulator {
+            let gain = self.regulator()?;
+            let rows = gain.gain().row_iter().map(|row| row.iter().copied().collect());
+            experiment.regulator = Some(rows.collect());
+        }
+        Ok(experiment)
+    }
+}
