@@ -172,7 +172,10 @@ fn frame(word: &str) -> Result<Option<Frame>, &'static str> {
 
 /// An observer of a bus in virtual time that logs all frames and error frames. Lines that cannot be
 /// written are left out.
-pub fn observer(mut log: impl Write + Send, interface: &str) -> impl FnMut(&Event) + Send {
+pub fn observer<W: Write + Send>(
+    mut log: W,
+    interface: &str,
+) -> impl FnMut(&Event) + Send + use<W> {
     let interface = interface.to_owned();
     move |event| {
         let frame = match event.kind {

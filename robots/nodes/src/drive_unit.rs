@@ -117,6 +117,12 @@ impl<M: Mechanism> DriveUnit<M> {
         &mut self.mechanism
     }
 
+    /// Torque of a motor on its shaft, N·m.
+    #[must_use]
+    pub fn torque(&self, motor: usize) -> f64 {
+        self.mounts.get(motor).map_or(0.0, |mount| mount.torque)
+    }
+
     /// Heading of the body and of the drive unit against the floor.
     #[must_use]
     pub const fn headings(&self) -> [Motion; 2] {

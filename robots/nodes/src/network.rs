@@ -9,7 +9,7 @@ use crate::{Node, NodeFault, Physical, Plant};
 /// Frames of a node that its controller has no room for are tried again; so many are kept.
 const BACKLOG: usize = 64;
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Attachment {
     node: Node,
     bus: usize,
@@ -19,7 +19,7 @@ struct Attachment {
 
 /// Simulated nodes over a plant on one or several buses in virtual time, and a place for the master on
 /// each bus. To receive as the master lets virtual time pass; nodes and plant act meanwhile.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Network<P> {
     buses: Vec<(VirtualBus, EndpointId)>,
     nodes: Vec<Attachment>,
@@ -56,6 +56,11 @@ impl<P: Plant> Network<P> {
     /// The plant as it was when a node last looked at it or acted on it.
     pub const fn plant(&self) -> &P {
         &self.plant
+    }
+
+    /// The plant as it is, to change what nodes do not.
+    pub const fn plant_mut(&mut self) -> &mut P {
+        &mut self.plant
     }
 
     /// The plant brought to the present time.

@@ -82,7 +82,7 @@ pub(crate) fn read(table: &Table<'_>, to: &mut Simulation) -> Outcome<()> {
             "slope" => to.slope = Some(value.said(value.quantities()?)),
             "pushes" => to.pushes = value.list()?.iter().map(push).collect::<Outcome<_>>()?,
             "weights" => to.point_weights = named(&value, |value| force(value))?,
-            "plant" => put_all(&mut to.plant, named(&value, Value::number)?),
+            "plant" => put_all(&mut to.plant, named(&value, |value| value.number())?),
             "plant_model" => to.plant_model = Some(value.said(value.string()?.to_owned())),
             _ => to.strength = Some(not_negative(&value)?),
         }

@@ -22,7 +22,7 @@ pub(super) type Ticket = (u64, u64);
 /// Occurrences of eleven recessive bits that a controller waits for after bus-off.
 const RECOVERY_SEQUENCES: u64 = 128;
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Endpoint {
     pub(super) name: String,
     waiting: BTreeMap<Ticket, Pending>,

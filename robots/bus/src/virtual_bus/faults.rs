@@ -100,7 +100,7 @@ impl Effect {
     }
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Counted {
     rule: Rule,
     seen: u32,
@@ -108,7 +108,7 @@ struct Counted {
 }
 
 /// The rules of a bus and how often each was applied.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Faults {
     rules: Vec<Counted>,
     pub(super) random: Random,
