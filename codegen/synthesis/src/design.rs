@@ -33,7 +33,7 @@ pub fn design(derivation: &Derivation) -> Result<ControlDesign, String> {
     let own = Plant::new(&robot.model, &robot.actuated, PERIOD).ok_or_else(unstable)?;
     let list = poles(&law.around(&own, 1), PERIOD).ok_or_else(unstable)?;
     let at_home = Quality::of(&list);
-    if !(at_home.decay > 0.0) {
+    if at_home.decay.is_nan() || at_home.decay <= 0.0 {
         return Err(unstable());
     }
     let alone = range(&robot, &law, |share| robot.samples(share, 0, true));

@@ -90,6 +90,26 @@ impl From<Refusal> for Failure {
     }
 }
 
+impl From<shapebot_experiments::Error> for Failure {
+    fn from(error: shapebot_experiments::Error) -> Self {
+        match error {
+            shapebot_experiments::Error::Task(refusal) => refusal.into(),
+            other => Self::refused(other),
+        }
+    }
+}
+
+/// What a failure is to a room below; one that was reported already has nothing more to say.
+impl From<Failure> for Refusal {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Usage(message, help) => Self::Task { message, help },
+            Failure::Refused(message) => Self::Plan { message },
+            Failure::Reported | Failure::BrokenPipe => Self::plan("the model was refused"),
+        }
+    }
+}
+
 impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {

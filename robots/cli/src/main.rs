@@ -22,7 +22,11 @@ fn main() -> ExitCode {
 
 fn run(cli: &Cli) -> Outcome {
     match &cli.command {
-        None => commands::table::run(&cli.output),
+        None => commands::experiments::everything(&cli.output),
+        Some(Command::Table(args)) => commands::table::run(&args.output).map(|_| ()),
+        Some(Command::Simulate(args)) => commands::simulate::run(args),
+        Some(Command::Experiments(args)) => commands::experiments::run(&args.output),
+        Some(Command::Robustness(args)) => commands::robustness::run(args),
         Some(Command::Robots) => commands::robots::run(),
         Some(Command::Check(args)) => commands::check::run(args),
         Some(Command::Derive(args)) => commands::derive::run(args),

@@ -47,7 +47,7 @@ fn every_model_file_is_a_bundled_robot() {
 }
 
 #[test]
-fn without_a_command_the_paper_s_table_is_planned() {
+fn without_a_command_the_paper_s_experiments_are_planned_and_simulated() {
     let here = folder();
     let run = shapebot(here.path(), &["-o", "out"], "").ok();
     let column = |robot: &str, i: usize| -> String {
@@ -69,6 +69,12 @@ fn without_a_command_the_paper_s_table_is_planned() {
         }
     }
     assert!(!run.stdout.contains('\u{1b}') && run.stderr.is_empty(), "{}", run.stderr);
+    let ends = run.stdout.lines().last().unwrap();
+    assert!(run.stdout.contains("Closed loops") && ends.contains("report.html"), "{ends}");
+    assert!(here.path().join("out/report.html").exists());
+    // The planning table alone.
+    let table = shapebot(here.path(), &["table", "-o", "table"], "").ok().stdout;
+    assert!(table.contains("Table II") && !table.contains("Closed loops"));
 }
 
 #[test]

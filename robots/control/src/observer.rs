@@ -45,16 +45,19 @@ impl<T: Ordered, const NX: usize> MomentumObserver<T, NX> {
 pub(crate) struct OffsetObserver<T: Ordered, const NX: usize> {
     estimate: SVector<T, NX>,
     slope: SVector<T, NX>,
+    /// Gain of the estimate of z.
+    gain: T,
     /// b̂.
     pub(crate) offset: SVector<T, NX>,
 }
 
 impl<T: Ordered, const NX: usize> OffsetObserver<T, NX> {
     pub(crate) fn new(z: SVector<T, NX>, slope: SVector<T, NX>) -> Self {
-        Self { estimate: z, slope, offset: SVector::from_element(T::zero()) }
+        Self { estimate: z, slope, gain: T::one(), offset: SVector::from_element(T::zero()) }
     }
 
-    /// One period later: `slope` is the model's ż now. Both poles of the error are at −`rate`.
+    /// One period later: `slope` is the model's ż now. Both poles of the error are at −`rate`, once the
+    /// first readings are averaged: one noisy reading would take b̂ along for 1/`rate`.
     pub(crate) fn advance(&mut self, z: &SVector<T, NX>, slope: &SVector<T, NX>, step: [T; 2]) {
         let [period, rate] = step;
         let half = T::from_f64(0.5) * period;
@@ -62,7 +65,9 @@ impl<T: Ordered, const NX: usize> OffsetObserver<T, NX> {
         self.slope = *slope;
         let innovation = z - self.estimate;
         let gain = rate * period;
-        self.estimate += innovation * (gain + gain);
+        let (average, least) = (self.gain / (T::one() + self.gain), gain + gain);
+        self.gain = if average > least { average } else { least };
+        self.estimate += innovation * self.gain;
         self.offset += innovation * (gain * rate);
     }
 
@@ -72,7 +77,7 @@ impl<T: Ordered, const NX: usize> OffsetObserver<T, NX> {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        finite(&self.estimate) & finite(&self.slope) & finite(&self.offset)
+        finite(&self.estimate) & finite(&self.slope) & finite(&self.offset) & self.gain.is_finite()
     }
 }
 

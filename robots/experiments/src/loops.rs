@@ -11,7 +11,9 @@ use shapebot_dynamics::Robot;
 use shapebot_planner::value::RobotId;
 use shapebot_planning::{PlannedMotion, Refusal};
 use shapebot_report::Recorder;
-use shapebot_sim::{Lqr, LqrWeights, Run, Scenario, Table, Timing, Tracker, World, simulate};
+use shapebot_sim::{
+    Lqr, LqrWeights, RateFilter, Run, Scale, Scenario, Table, Timing, Tracker, World, simulate,
+};
 use shapebot_tasks::simulation::Law;
 use shapebot_tasks::{Said, Task};
 
@@ -20,6 +22,9 @@ const AFTER: f64 = 2.0;
 
 /// Recorded instants per second.
 const RECORDED: f64 = 100.0;
+
+/// Bandwidth of the filter that makes rates of counts, over the robot's time.
+const RATE_BANDWIDTH: f64 = 13.0;
 
 /// Shown instants of an animation per second.
 const SHOWN: f64 = 25.0;
@@ -30,6 +35,7 @@ pub(crate) struct Loops<'a, R, const N: usize, const NX: usize, const NS: usize>
     pub(crate) task: &'a Task,
     pub(crate) planned: &'a PlannedMotion,
     pub(crate) reference: Table<N, NX, NS>,
+    pub(crate) scale: Scale,
     gains: Gains<f64, NX, NS>,
 }
 
@@ -45,7 +51,8 @@ where
     ) -> Result<Self, Error> {
         let gains = gains(subject.model, subject.design, planned, &task.simulation)?;
         let reference = reference(subject.model, planned, id, gains.period)?;
-        Ok(Self { subject, task, planned, reference, gains })
+        let scale = Scale::of(subject.model)?;
+        Ok(Self { subject, task, planned, reference, scale, gains })
     }
 
     /// When the plan ends, s.
@@ -78,10 +85,10 @@ where
     ) -> Result<Run<N, NX, NS>, Error> {
         match self.task.simulation.law {
             Law::Planned => {
-                let mut controller = Controller::new(self.subject.model, &self.gains)?;
-                self.follow(plant, scenario, recorded, &mut controller)
+                let controller = Controller::new(self.subject.model, &self.gains)?;
+                self.follow(plant, scenario, recorded, controller)
             }
-            Law::Regulator => self.follow(plant, scenario, recorded, &mut self.regulator()?),
+            Law::Regulator => self.follow(plant, scenario, recorded, self.regulator()?),
         }
     }
 
@@ -90,17 +97,22 @@ where
         plant: &System<N>,
         scenario: &Scenario<NX, NS>,
         recorded: Option<f64>,
-        tracker: &mut dyn Tracker<N, NX, NS>,
+        mut tracker: impl Tracker<N, NX, NS>,
     ) -> Result<Run<N, NX, NS>, Error> {
-        let period = self.gains.period;
+        let (model, period) = (self.subject.model, self.gains.period);
         let timing = Timing {
             period,
             after: self.task.simulation.after.unwrap_or(AFTER),
             record_every: recorded.map_or(0, |rate| every(period, rate)),
             ..Timing::default()
         };
-        let world = World { system: plant, map: self.subject.model, scenario, timing };
-        Ok(simulate(&world, &self.reference, tracker)?)
+        let world = World { system: plant, map: model, scenario, timing };
+        if scenario.sensors.position_step > 0.0 {
+            let bandwidth = RATE_BANDWIDTH / self.scale.time;
+            let mut filtered = RateFilter::new(model, tracker, period, bandwidth);
+            return Ok(simulate(&world, &self.reference, &mut filtered)?);
+        }
+        Ok(simulate(&world, &self.reference, &mut tracker)?)
     }
 
     fn regulator(&self) -> Result<Lqr<'a, N, NX, NS>, Error> {

@@ -47,7 +47,7 @@ where
 {
     /// What is tried.
     pub(crate) fn disturbances(&self) -> Vec<Trial> {
-        let scale = &self.scale;
+        let scale = &self.loops.scale;
         let robot = self.loops.subject.model.description();
         let mut trials = vec![Trial {
             kind: Kind::Delay,

@@ -21,7 +21,6 @@ pub trait Plants<const N: usize>: Sync {
 }
 
 /// The robot of an experiment: what its controller knows, and where its plants come from.
-#[derive(Clone, Copy)]
 pub struct Subject<'a, R, const N: usize> {
     /// The controller's model.
     pub model: &'a R,
@@ -30,3 +29,11 @@ pub struct Subject<'a, R, const N: usize> {
     /// Plants.
     pub plants: &'a dyn Plants<N>,
 }
+
+impl<R, const N: usize> Clone for Subject<'_, R, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<R, const N: usize> Copy for Subject<'_, R, N> {}

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use shapebot_dynamics::Robot;
 use shapebot_planner::value::RobotId;
 use shapebot_planning::PlannedMotion;
-use shapebot_sim::{Draw, Ranges, Scale, Scenario, draw};
+use shapebot_sim::{Draw, Ranges, Scenario, draw};
 use shapebot_tasks::{Method, Task};
 
 /// Part of the runs: `index` of `count`, from one.
@@ -44,7 +44,6 @@ pub struct Trials<'a, R, const N: usize, const NX: usize, const NS: usize> {
     pub(crate) loops: Loops<'a, R, N, NX, NS>,
     /// What the task says, onto which draws are put.
     pub(crate) base: Scenario<NX, NS>,
-    pub(crate) scale: Scale,
     ranges: Ranges,
     identity: Identity,
 }
@@ -79,7 +78,6 @@ where
         };
         Ok(Self {
             base: scenario(subject.model, &task.simulation)?,
-            scale: Scale::of(subject.model)?,
             ranges: Ranges::default(),
             loops,
             identity,
@@ -90,7 +88,7 @@ where
         let description = self.loops.subject.model.description();
         let from = [self.identity.seed, run];
         let duration = self.loops.duration();
-        let mut draw = draw(description, &self.scale, &self.ranges, duration, from);
+        let mut draw = draw(description, &self.loops.scale, &self.ranges, duration, from);
         draw.scenario.weights.clone_from(&self.base.weights);
         draw.scenario.strength = self.base.strength;
         draw.scenario.pushes.extend_from_slice(&self.base.pushes);

@@ -34,7 +34,7 @@ use joined::Joined;
 use limits::with_duration;
 use nalgebra::SVector;
 use phase::{Planned, Request, plan_phase};
-use refusal::{Unplanned, failure};
+use refusal::Unplanned;
 use shapebot_dynamics::{Robot, ShapeAccelerated};
 use shapebot_planner::motion::Stretched;
 use shapebot_planner::value::RobotId;

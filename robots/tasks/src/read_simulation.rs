@@ -81,7 +81,7 @@ pub(crate) fn read(table: &Table<'_>, to: &mut Simulation) -> Outcome<()> {
             "start" => start(&value, to)?,
             "slope" => to.slope = Some(value.said(value.quantities()?)),
             "pushes" => to.pushes = value.list()?.iter().map(push).collect::<Outcome<_>>()?,
-            "weights" => to.point_weights = named(&value, |value| force(value))?,
+            "weights" => to.point_weights = named(&value, force)?,
             "plant" => put_all(&mut to.plant, named(&value, |value| value.number())?),
             "plant_model" => to.plant_model = Some(value.said(value.string()?.to_owned())),
             _ => to.strength = Some(not_negative(&value)?),
@@ -124,7 +124,7 @@ fn put_all<T>(to: &mut Vec<(Said<String>, T)>, entries: Vec<(Said<String>, T)>) 
 
 fn numbers(value: &Value<'_>) -> Outcome<Vec<f64>> {
     if value.is_list() {
-        return value.list()?.iter().map(Value::number).collect();
+        return value.list()?.iter().map(|entry| entry.number()).collect();
     }
     Ok(vec![value.number()?])
 }

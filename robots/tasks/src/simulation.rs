@@ -7,9 +7,9 @@ use crate::task::Said;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compensate {
     /// The shape sets as in the plan.
-    #[default]
     Plan,
     /// The unactuated shape alone.
+    #[default]
     Body,
 }
 

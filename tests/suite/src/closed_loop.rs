@@ -1,5 +1,6 @@
 //! The paper's experiments as references for a closed loop.
 
+use shapebot_control::{Controller, Gains};
 use shapebot_dynamics::Robot;
 use shapebot_dynamics::nalgebra::{SMatrix, SVector, Vector2};
 use shapebot_generated::ballbot3d_arms::Ballbot3dArms;
@@ -8,13 +9,15 @@ use shapebot_planner::{
     Constrained, Refinement, SetMotion, ShapeConstraint, Start, Task, TwoPhases, Weighting,
     Workspace, plan, refine,
 };
-use shapebot_control::{Controller, Gains};
-use shapebot_sim::{Run, Scenario, Table, Timing, World, simulate};
+use shapebot_sim::{RateFilter, Run, Scale, Scenario, Table, Timing, World, simulate};
 
 /// Samples of the plans per second, and how often the control period divides one.
 const RATE: f64 = 100.0;
 /// Control periods of 2 ms per sample.
 const FINER: usize = 5;
+
+/// Bandwidth of the filter that makes rates of counts, over the robot's time.
+pub const RATE_BANDWIDTH: f64 = 13.0;
 
 /// How a motion is planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -185,11 +188,8 @@ fn waving(robot: &Ballbot3dArms<f64>, method: Method) -> Arms {
 
 fn horizontal(robot: &Ballbot3dArms<f64>, method: Method) -> Arms {
     let raised = [0.0, -90.0_f64.to_radians()];
-    let raise = [
-        line([0.0; 2], raised, 4.0),
-        line(raised, raised, 6.0),
-        line(raised, [0.0; 2], 4.0),
-    ];
+    let raise =
+        [line([0.0; 2], raised, 4.0), line(raised, raised, 6.0), line(raised, [0.0; 2], 4.0)];
     let arms = Legs::new(&raise).expect("legs");
     let sets = [SetMotion { set: 0, motion: &arms }, SetMotion { set: 1, motion: &arms }];
     let rest = |x: f64| Rest::new(Vector2::new(x, 0.0), 4.5).expect("a rest");
@@ -221,5 +221,10 @@ where
     let timing = Timing { period: gains.period, after, ..Timing::default() };
     let world = World { system: plant, map: plant, scenario, timing };
     let mut controller = Controller::new(model, gains).expect("a controller");
+    if scenario.sensors.position_step > 0.0 {
+        let bandwidth = RATE_BANDWIDTH / Scale::of(model).expect("a scale").time;
+        let mut filtered = RateFilter::new(model, controller, gains.period, bandwidth);
+        return simulate(&world, reference, &mut filtered).expect("a run");
+    }
     simulate(&world, reference, &mut controller).expect("a run")
 }

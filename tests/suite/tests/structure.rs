@@ -120,7 +120,9 @@ fn libraries_forbid_unsafe_code() {
 
 #[test]
 fn runtime_crates_need_no_standard_library() {
-    for folder in ["planner/dynamics", "planner/planner", "generated", "robots/models", "robots/control"] {
+    for folder in
+        ["planner/dynamics", "planner/planner", "generated", "robots/models", "robots/control"]
+    {
         let text = read(&format!("{folder}/src/lib.rs"));
         assert!(text.contains("#![no_std]"), "{folder}");
     }
@@ -165,7 +167,18 @@ fn no_robot_is_named_in_code() {
     /// Where the four systems of Table II are listed, as the data of that command.
     const TABLE: &str = "robots/cli/src/commands/table.rs";
     let Some(sources) = sources() else { return };
-    let rooms = ["codegen/", "planner/", "generated/", "robots/cli/src/", "robots/models/"];
+    let rooms = [
+        "codegen/",
+        "planner/",
+        "generated/",
+        "robots/cli/src/",
+        "robots/control/src/",
+        "robots/experiments/",
+        "robots/models/",
+        "robots/planning/",
+        "robots/report/src/",
+        "robots/sim/src/",
+    ];
     let searched = |path: &&String| {
         let test =
             path.contains("/tests/") || path.ends_with("/tests.rs") || path.contains("/examples/");

@@ -1,19 +1,21 @@
-//! `shapebot` alone: the task of Table II for the paper's four systems.
+//! `shapebot table`: the task of Table II for the paper's four systems.
 
+use super::experiments::unbroken;
 use super::plan::task;
 use crate::failure::Outcome;
 use crate::output::{self, Align, Columns, number};
-use shapebot_planning::PlannedMotion;
 use crate::plot;
 use crate::robot::{bundled, identity};
 use indicatif::{ProgressBar, ProgressStyle};
+use shapebot_planning::PlannedMotion;
+use shapebot_report::{Row, Table};
 use shapebot_tasks::Method;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// A row of Table II: the system, and what the paper reports for it.
-struct Row {
+/// A line of Table II: the system, and what the paper reports for it.
+struct Line {
     /// Bundled robot.
     robot: &'static str,
     /// Bundled task.
@@ -24,26 +26,26 @@ struct Row {
     propt: (f64, f64),
 }
 
-const TABLE: [Row; 4] = [
-    Row {
+const TABLE: [Line; 4] = [
+    Line {
         robot: "cartpole_planar",
         task: "table2_cartpole",
         paper: (0.482, 0.0211),
         propt: (27.581, 0.1143),
     },
-    Row {
+    Line {
         robot: "ballbot_planar",
         task: "table2_ballbot_planar",
         paper: (0.485, 0.0391),
         propt: (20.729, 0.1154),
     },
-    Row {
+    Line {
         robot: "ballbot3d",
         task: "table2_ballbot3d",
         paper: (0.991, 0.0478),
         propt: (27.362, 0.1159),
     },
-    Row {
+    Line {
         robot: "ballbot3d_arms",
         task: "table2_ballbot3d_arms",
         paper: (13.318, 0.0462),
@@ -61,6 +63,22 @@ Times are those of the planner alone, on this machine; the paper's are MATLAB on
 The paper's RMSE of the ballbots do not follow from the parameters of its Table I: with these, the
 planar and the 3D ballbot are the same system along an axis and have the same error.";
 
+const COLUMNS: [(&str, Align); 13] = [
+    ("system", Align::Left),
+    ("states", Align::Right),
+    ("gain: time", Align::Right),
+    ("RMSE", Align::Right),
+    ("refined: time", Align::Right),
+    ("RMSE", Align::Right),
+    ("floor", Align::Right),
+    ("standing: time", Align::Right),
+    ("RMSE", Align::Right),
+    ("paper: time", Align::Right),
+    ("RMSE", Align::Right),
+    ("PROPT: time", Align::Right),
+    ("RMSE", Align::Right),
+];
+
 /// Standing before and after the motion in the last plan, seconds.
 const STANDING: f64 = 1.0;
 
@@ -71,7 +89,8 @@ struct Plans {
     standing: PlannedMotion,
 }
 
-pub(crate) fn run(folder: &Path) -> Outcome {
+/// Plans, prints and writes; the table for a report is returned.
+pub(crate) fn run(folder: &Path) -> Outcome<Table> {
     let progress = progress();
     let mut planned = Vec::new();
     for row in &TABLE {
@@ -92,7 +111,20 @@ pub(crate) fn run(folder: &Path) -> Outcome {
     for path in files {
         writeln!(stdout, "wrote {}", path.display())?;
     }
-    Ok(())
+    Ok(report(&planned))
+}
+
+/// The table for a report.
+fn report(planned: &[Option<Plans>]) -> Table {
+    let rows = TABLE.iter().zip(planned);
+    Table {
+        title: HEAD.into(),
+        note: NOTE.into(),
+        columns: COLUMNS.iter().map(|(name, _)| (*name).to_owned()).collect(),
+        rows: rows
+            .map(|(row, plans)| Row { cells: unbroken(cells(row, plans.as_ref())), run: None })
+            .collect(),
+    }
 }
 
 /// On standard error, and nowhere if that is no terminal.
@@ -106,7 +138,7 @@ fn progress() -> ProgressBar {
 }
 
 /// The plans of a row; nothing if its robot is not bundled.
-fn plan(row: &Row) -> Outcome<Option<Plans>> {
+fn plan(row: &Line) -> Outcome<Option<Plans>> {
     if !bundled().any(|robot| robot.name() == row.robot) {
         return Ok(None);
     }
@@ -132,21 +164,7 @@ fn write_files(folder: &Path, name: &str, motion: &PlannedMotion) -> Outcome<[Pa
 }
 
 fn write_table(planned: &[Option<Plans>]) -> Outcome {
-    let mut columns = Columns::new(&[
-        ("system", Align::Left),
-        ("states", Align::Right),
-        ("gain: time", Align::Right),
-        ("RMSE", Align::Right),
-        ("refined: time", Align::Right),
-        ("RMSE", Align::Right),
-        ("floor", Align::Right),
-        ("standing: time", Align::Right),
-        ("RMSE", Align::Right),
-        ("paper: time", Align::Right),
-        ("RMSE", Align::Right),
-        ("PROPT: time", Align::Right),
-        ("RMSE", Align::Right),
-    ]);
+    let mut columns = Columns::new(&COLUMNS);
     for (row, plans) in TABLE.iter().zip(planned) {
         columns.push(cells(row, plans.as_ref()));
     }
@@ -167,7 +185,7 @@ fn write_table(planned: &[Option<Plans>]) -> Outcome {
     Ok(())
 }
 
-fn cells(row: &Row, plans: Option<&Plans>) -> Vec<String> {
+fn cells(row: &Line, plans: Option<&Plans>) -> Vec<String> {
     let none = || "-".to_owned();
     let of = |cell: &dyn Fn(&Plans) -> String| plans.map_or_else(none, cell);
     vec![

@@ -6,8 +6,8 @@ mod motion;
 
 pub(crate) use columns::{Align, Columns};
 pub(crate) use json::Json;
-pub(crate) use shapebot_planning::number;
 pub(crate) use motion::{csv, json, method, report};
+pub(crate) use shapebot_planning::number;
 
 use crate::failure::{Failure, Outcome};
 use std::path::Path;

@@ -1,9 +1,9 @@
 //! A planned motion as CSV and as JSON.
 
 use super::Json;
-use shapebot_planning::{Detail, Phase, PlannedMotion, Row};
 use serde_json::Value;
 use shapebot_dynamics::Coordinate;
+use shapebot_planning::{Detail, Phase, PlannedMotion, Row};
 use shapebot_tasks::Method;
 
 /// Every number of a sample, in the order of [`csv_head`].

@@ -3,6 +3,8 @@
 mod axis;
 mod figure;
 mod motion;
+mod run;
 
 pub(crate) use figure::{Figure, Panel, Series, Stroke};
 pub(crate) use motion::figure as motion_figure;
+pub(crate) use run::figure as run_figure;

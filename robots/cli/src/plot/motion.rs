@@ -2,8 +2,8 @@
 
 use super::{Figure, Panel, Series, Stroke};
 use crate::output::number;
-use shapebot_planning::{PlannedMotion, Row};
 use shapebot_dynamics::Coordinate;
+use shapebot_planning::{PlannedMotion, Row};
 
 /// Desired and planned output, their difference, and the shape.
 pub(crate) fn figure(motion: &PlannedMotion, title: &str) -> Figure {

@@ -4,6 +4,9 @@ use super::compiled::{Compiled, Lagrangian};
 use super::{Dynamics, ModelText};
 use crate::failure::{Failure, Outcome};
 use shapebot_dynamics::Parameter;
+use shapebot_dynamics::control::ControlDesign;
+use shapebot_experiments::System;
+use std::any::Any;
 
 /// Parameters by name, with their values.
 type Settings = [(String, f64)];
@@ -13,6 +16,43 @@ pub(crate) struct Bundled {
     name: &'static str,
     /// The compiled code with some parameters set, the model's own values for the rest.
     compiled: fn(&Settings) -> Outcome<Box<dyn Dynamics>>,
+    /// The same as a `Box<System<N>>`, N its number of coordinates.
+    system: fn(&Settings) -> Outcome<Box<dyn Any>>,
+}
+
+/// A model for whose controller no gains were found.
+#[derive(Clone, Copy)]
+struct NoDesign;
+
+/// Stands where a generated module has no constant of this name, which then is nearer.
+#[allow(dead_code, reason = "all modules may have theirs")]
+const CONTROL: NoDesign = NoDesign;
+
+/// A controller's design, if there is one.
+trait Design {
+    fn design(&'static self) -> Option<&'static ControlDesign>;
+}
+
+impl Design for NoDesign {
+    fn design(&'static self) -> Option<&'static ControlDesign> {
+        None
+    }
+}
+
+impl Design for ControlDesign {
+    fn design(&'static self) -> Option<&'static ControlDesign> {
+        Some(self)
+    }
+}
+
+/// The design that a generated module holds.
+macro_rules! design {
+    ($module:ident) => {{
+        #[allow(unused_imports, reason = "some modules have no design")]
+        use shapebot_generated::$module::*;
+        const DESIGN: &dyn Design = &CONTROL;
+        DESIGN.design()
+    }};
 }
 
 /// The parameters of a generated module with some of them set by name.
@@ -34,6 +74,10 @@ macro_rules! systems {
         &[$(Bundled {
             name: $name,
             compiled: |set| Ok(Box::new(Lagrangian::<_, $n>(parameters!($module, $robot, set)))),
+            system: |set| {
+                let system: Box<System<$n>> = Box::new(parameters!($module, $robot, set));
+                Ok(Box::new(system))
+            },
         }),*]
     };
 }
@@ -43,7 +87,15 @@ macro_rules! robots {
     ($({ $name:literal, $module:ident, $robot:ident, $baked:ident, $n:literal, $nx:literal, $ns:literal })*) => {
         &[$(Bundled {
             name: $name,
-            compiled: |set| Ok(Box::new(Compiled::<_, $n, $nx, $ns>(parameters!($module, $robot, set)))),
+            compiled: |set| {
+                let make = |set: &Settings| Ok(parameters!($module, $robot, set));
+                let (design, set) = (design!($module), set.to_vec());
+                Ok(Box::new(Compiled::<_, $n, $nx, $ns> { robot: make(&set)?, make, set, design }))
+            },
+            system: |set| {
+                let system: Box<System<$n>> = Box::new(parameters!($module, $robot, set));
+                Ok(Box::new(system))
+            },
         }),*]
     };
 }
@@ -66,6 +118,13 @@ impl Bundled {
     /// The compiled code with some parameters set.
     pub(crate) fn dynamics(&self, set: &Settings) -> Outcome<Box<dyn Dynamics>> {
         (self.compiled)(set)
+    }
+
+    /// The compiled code as a system of N coordinates.
+    pub(super) fn system<const N: usize>(&self, set: &Settings) -> Outcome<Box<System<N>>> {
+        let system = (self.system)(set)?.downcast::<Box<System<N>>>();
+        let other = |_| Failure::usage(format!("`{}` has no {N} coordinates", self.name));
+        system.map(|system| *system).map_err(other)
     }
 
     /// The model's text.

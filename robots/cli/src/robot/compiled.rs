@@ -1,19 +1,29 @@
 //! Generated code behind the tool's own interface.
 
-use super::{Dynamics, not_shape_accelerated};
+use super::{Dynamics, RunsOf, Then, closed_loop, not_shape_accelerated};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::Outcome;
-use shapebot_planning::PlannedMotion;
 use nalgebra::{SMatrix, SVector};
+use shapebot_dynamics::control::ControlDesign;
 use shapebot_dynamics::{Description, LagrangianSystem, Robot, ShapeAccelerated};
+use shapebot_experiments::{Experiment, Plants, Settings, Subject, System};
 use shapebot_planner::value::RobotId;
+use shapebot_planning::PlannedMotion;
+use shapebot_planning::Refusal;
 use shapebot_tasks::Task;
 
 /// A Lagrangian system without Γ.
 pub(crate) struct Lagrangian<R, const N: usize>(pub(crate) R);
 
 /// A robot.
-pub(crate) struct Compiled<R, const N: usize, const NX: usize, const NS: usize>(pub(crate) R);
+pub(crate) struct Compiled<R, const N: usize, const NX: usize, const NS: usize> {
+    pub(crate) robot: R,
+    /// Another one, with some parameters set.
+    pub(crate) make: fn(&Settings) -> Outcome<R>,
+    /// Those that are set.
+    pub(crate) set: Vec<(String, f64)>,
+    pub(crate) design: Option<&'static ControlDesign>,
+}
 
 impl<R: LagrangianSystem<f64, N>, const N: usize> Dynamics for Lagrangian<R, N> {
     fn description(&self) -> &Description {
@@ -31,14 +41,26 @@ impl<R: LagrangianSystem<f64, N>, const N: usize> Dynamics for Lagrangian<R, N> 
     fn plan(&self, _task: &Task, _id: &RobotId<'_>) -> Outcome<PlannedMotion> {
         Err(not_shape_accelerated(self.0.description().name))
     }
+
+    fn simulate(&self, _: &Task, _: &PlannedMotion, _: &RobotId<'_>) -> Outcome<Experiment> {
+        Err(not_shape_accelerated(self.0.description().name))
+    }
+
+    fn with_runs(&self, _: &RunsOf<'_>, _: &mut Then<'_>) -> Outcome {
+        Err(not_shape_accelerated(self.0.description().name))
+    }
+
+    fn design(&self) -> Outcome<(&'static ControlDesign, Vec<[f64; 2]>)> {
+        Err(not_shape_accelerated(self.0.description().name))
+    }
 }
 
 impl<R, const N: usize, const NX: usize, const NS: usize> Dynamics for Compiled<R, N, NX, NS>
 where
-    R: Robot<f64, N, NX, NS>,
+    R: Robot<f64, N, NX, NS> + Sync + 'static,
 {
     fn description(&self) -> &Description {
-        self.0.description()
+        self.robot.description()
     }
 
     fn is_shape_accelerated(&self) -> bool {
@@ -46,12 +68,55 @@ where
     }
 
     fn evaluate(&self, selection: &Selection, state: &State, results: &mut Results) {
-        fill_lagrangian(&self.0, selection, state, results);
-        fill_shape(&self.0, selection, state, results);
+        fill_lagrangian(&self.robot, selection, state, results);
+        fill_shape(&self.robot, selection, state, results);
     }
 
     fn plan(&self, task: &Task, id: &RobotId<'_>) -> Outcome<PlannedMotion> {
-        Ok(shapebot_planning::plan(&self.0, task, id)?)
+        Ok(shapebot_planning::plan(&self.robot, task, id)?)
+    }
+
+    fn simulate(
+        &self,
+        task: &Task,
+        planned: &PlannedMotion,
+        id: &RobotId<'_>,
+    ) -> Outcome<Experiment> {
+        Ok(shapebot_experiments::run(self.subject()?, task, planned, id)?)
+    }
+
+    fn with_runs(&self, runs: &RunsOf<'_>, then: &mut Then<'_>) -> Outcome {
+        closed_loop::with_runs(self.subject()?, runs, then)
+    }
+
+    fn design(&self) -> Outcome<(&'static ControlDesign, Vec<[f64; 2]>)> {
+        Ok((self.designed()?, closed_loop::poles(&self.robot)?))
+    }
+}
+
+impl<R, const N: usize, const NX: usize, const NS: usize> Compiled<R, N, NX, NS>
+where
+    R: Robot<f64, N, NX, NS> + Sync + 'static,
+{
+    fn designed(&self) -> Outcome<&'static ControlDesign> {
+        self.design.ok_or_else(|| closed_loop::no_design(self.robot.description().name))
+    }
+
+    fn subject(&self) -> Outcome<Subject<'_, R, N>> {
+        Ok(Subject { model: &self.robot, design: self.designed()?, plants: self })
+    }
+}
+
+impl<R, const N: usize, const NX: usize, const NS: usize> Plants<N> for Compiled<R, N, NX, NS>
+where
+    R: Robot<f64, N, NX, NS> + Sync + 'static,
+{
+    fn plant(&self, model: Option<&str>, set: &Settings) -> Result<Box<System<N>>, Refusal> {
+        let set = closed_loop::merged(&self.set, set);
+        match model {
+            Some(model) => closed_loop::other(model, &set),
+            None => Ok(Box::new((self.make)(&set)?)),
+        }
     }
 }
 

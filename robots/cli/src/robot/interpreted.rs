@@ -1,23 +1,28 @@
 //! Model files through the interpreter.
 
-use super::{Dynamics, ModelText, derive, not_shape_accelerated};
+use super::{Dynamics, ModelText, RunsOf, Then, closed_loop, derive, not_shape_accelerated};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::{Failure, Outcome};
-use shapebot_planning::PlannedMotion;
 use shapebot_codegen::derive::{Derivation, Parameters, Quantity};
 use shapebot_dynamics::Description;
-use shapebot_interpreter::{Error, Tapes, check_parameters, with_interpreted};
+use shapebot_dynamics::control::ControlDesign;
+use shapebot_experiments::{Experiment, Plants, Settings, Subject, System};
+use shapebot_interpreter::{self as interpreter, Error, Tapes, check_parameters, with_interpreted};
 use shapebot_model_dsl::model::Parameter;
 use shapebot_planner::value::RobotId;
+use shapebot_planning::PlannedMotion;
+use shapebot_planning::Refusal;
 use shapebot_tasks::Task;
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 
 /// Reads, derives and compiles a model to tapes.
 pub(crate) fn open(text: &ModelText, set: &[(String, f64)]) -> Outcome<Box<dyn Dynamics>> {
     let derivation = derive(text, Parameters::Symbolic)?;
     let values = parameter_values(&derivation, set)?;
     let tapes = Tapes::new(&derivation, &values).map_err(Failure::usage)?;
-    Ok(Box::new(Interpreted { name: text.name.clone(), tapes, scratch: RefCell::default() }))
+    let (name, scratch, design) = (text.name.clone(), RefCell::default(), OnceCell::new());
+    let source = Source { derivation, set: set.to_vec() };
+    Ok(Box::new(Interpreted { name, tapes, scratch, source, design }))
 }
 
 /// Values of all parameters: those set by name, the model's own for the rest.
@@ -45,6 +50,56 @@ struct Interpreted {
     name: String,
     tapes: Tapes<f64>,
     scratch: RefCell<Scratch>,
+    source: Source,
+    /// Made when it is asked for.
+    design: OnceCell<Result<&'static ControlDesign, String>>,
+}
+
+/// Where the functions come from.
+struct Source {
+    derivation: Derivation,
+    /// Parameters that are set.
+    set: Vec<(String, f64)>,
+}
+
+/// Plants of N coordinates from a derivation.
+struct Derived<'s, const N: usize, const NX: usize, const NS: usize>(&'s Source);
+
+impl<const N: usize, const NX: usize, const NS: usize> Plants<N> for Derived<'_, N, NX, NS> {
+    fn plant(&self, model: Option<&str>, set: &Settings) -> Result<Box<System<N>>, Refusal> {
+        let set = closed_loop::merged(&self.0.set, set);
+        if let Some(model) = model {
+            return closed_loop::other(model, &set);
+        }
+        let values = parameter_values(&self.0.derivation, &set)?;
+        let robot = interpreter::Interpreted::<N, NX, NS>::new(&self.0.derivation, &values);
+        Ok(Box::new(robot.map_err(Refusal::task)?))
+    }
+}
+
+/// What is done with a robot of known sizes.
+enum Errand<'a> {
+    Simulate(&'a Task, &'a PlannedMotion, &'a RobotId<'a>, &'a mut Option<Experiment>),
+    Runs(&'a RunsOf<'a>, &'a mut Then<'a>),
+    Poles(&'a mut Vec<[f64; 2]>),
+}
+
+fn run_errand<const N: usize, const NX: usize, const NS: usize>(
+    robot: &interpreter::Interpreted<N, NX, NS>,
+    source: &Source,
+    design: &'static ControlDesign,
+    errand: Errand<'_>,
+) -> Outcome {
+    let plants = Derived::<N, NX, NS>(source);
+    let subject = Subject { model: robot, design, plants: &plants };
+    match errand {
+        Errand::Simulate(task, planned, id, to) => {
+            *to = Some(shapebot_experiments::run(subject, task, planned, id)?);
+        }
+        Errand::Runs(runs, then) => closed_loop::with_runs(subject, runs, then)?,
+        Errand::Poles(to) => *to = closed_loop::poles(robot)?,
+    }
+    Ok(())
 }
 
 /// Memory that is used again from state to state.
@@ -55,6 +110,27 @@ struct Scratch {
 }
 
 impl Interpreted {
+    fn designed(&self) -> Outcome<&'static ControlDesign> {
+        let design = self.design.get_or_init(|| {
+            let design = shapebot_synthesis::design(&self.source.derivation)?;
+            // Lives as long as the program, once per robot.
+            Ok(&*Box::leak(Box::new(design)))
+        });
+        design.as_ref().copied().map_err(|reason| {
+            Failure::refused(format!("no controller for `{}`: {reason}", self.name))
+        })
+    }
+
+    fn run_errand(&self, errand: Errand<'_>) -> Outcome {
+        if !self.is_shape_accelerated() {
+            return Err(not_shape_accelerated(&self.name));
+        }
+        let design = self.designed()?;
+        let (source, tapes) = (&self.source, self.tapes.clone());
+        let done = with_interpreted!(tapes, |robot| run_errand(&robot, source, design, errand));
+        done.map_err(Failure::refused)?
+    }
+
     /// f = B τ.
     fn force(&self, state: &State, scratch: &mut Scratch) -> Result<(), Error> {
         scratch.force.clear();
@@ -172,5 +248,26 @@ impl Dynamics for Interpreted {
         let tapes = self.tapes.clone();
         let planned = with_interpreted!(tapes, |robot| shapebot_planning::plan(&robot, task, id));
         Ok(planned.map_err(Failure::refused)??)
+    }
+
+    fn simulate(
+        &self,
+        task: &Task,
+        planned: &PlannedMotion,
+        id: &RobotId<'_>,
+    ) -> Outcome<Experiment> {
+        let mut experiment = None;
+        self.run_errand(Errand::Simulate(task, planned, id, &mut experiment))?;
+        experiment.ok_or_else(|| not_shape_accelerated(&self.name))
+    }
+
+    fn with_runs(&self, runs: &RunsOf<'_>, then: &mut Then<'_>) -> Outcome {
+        self.run_errand(Errand::Runs(runs, &mut |runs| then(runs)))
+    }
+
+    fn design(&self) -> Outcome<(&'static ControlDesign, Vec<[f64; 2]>)> {
+        let mut poles = Vec::new();
+        self.run_errand(Errand::Poles(&mut poles))?;
+        Ok((self.designed()?, poles))
     }
 }

@@ -1,6 +1,7 @@
 //! Robots: bundled ones run compiled code, model files go through the interpreter.
 
 mod bundled;
+mod closed_loop;
 mod compiled;
 mod interpreted;
 mod text;
@@ -10,11 +11,27 @@ pub(crate) use text::{ModelText, derive, prove, rederive};
 
 use crate::commands::eval::{Results, Selection, Sizes, State};
 use crate::failure::{Failure, Outcome};
-use shapebot_planning::PlannedMotion;
 use shapebot_dynamics::Description;
+use shapebot_dynamics::control::ControlDesign;
+use shapebot_experiments::{Experiment, Runs};
 use shapebot_planner::value::RobotId;
+use shapebot_planning::PlannedMotion;
 use shapebot_tasks::Task;
 use std::path::Path;
+
+/// Random runs that are asked for.
+pub(crate) struct RunsOf<'a> {
+    /// The task's name.
+    pub(crate) name: &'a str,
+    pub(crate) task: &'a Task,
+    pub(crate) planned: &'a PlannedMotion,
+    pub(crate) id: &'a RobotId<'a>,
+    /// Seed and number of runs.
+    pub(crate) runs: [u64; 2],
+}
+
+/// What is done with random runs.
+pub(crate) type Then<'t> = dyn FnMut(&dyn Runs) -> Outcome + 't;
 
 /// A robot of any size whose parameters are set.
 pub(crate) trait Dynamics {
@@ -29,6 +46,20 @@ pub(crate) trait Dynamics {
 
     /// Plans a motion; `id` is what the plan's files say about the robot.
     fn plan(&self, task: &Task, id: &RobotId<'_>) -> Outcome<PlannedMotion>;
+
+    /// Lets a controller follow a planned motion of the robot, as the task says.
+    fn simulate(
+        &self,
+        task: &Task,
+        planned: &PlannedMotion,
+        id: &RobotId<'_>,
+    ) -> Outcome<Experiment>;
+
+    /// Calls a function with the random runs of a task.
+    fn with_runs(&self, runs: &RunsOf<'_>, then: &mut Then<'_>) -> Outcome;
+
+    /// The controller's design with the poles without control, 1/s.
+    fn design(&self) -> Outcome<(&'static ControlDesign, Vec<[f64; 2]>)>;
 
     /// Numbers of coordinates.
     fn sizes(&self) -> Sizes {

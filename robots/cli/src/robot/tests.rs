@@ -1,10 +1,10 @@
 //! Tasks at random, for every bundled robot: planned, or refused at the key that is to blame.
 
 use crate::failure::{Failure, Outcome};
-use shapebot_planning::PlannedMotion;
 use crate::robot::{Dynamics, Source, bundled, identity};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
+use shapebot_planning::PlannedMotion;
 use shapebot_tasks::parse;
 
 fn robots() -> Vec<(&'static str, Box<dyn Dynamics>)> {

@@ -5,16 +5,16 @@ mod request;
 use crate::args::PlanArgs;
 use crate::failure::Outcome;
 use crate::output::{self, number};
-use shapebot_planning::{Detail, Phase, PlannedMotion};
 use crate::plot;
 use crate::robot::identity;
 use request::Request;
 use shapebot_dynamics::Coordinate;
+use shapebot_planning::{Detail, Phase, PlannedMotion};
 use shapebot_tasks::{Method, Motion, Task};
 use std::io::{self, Write};
 use std::path::Path;
 
-pub(crate) use request::task;
+pub(crate) use request::{NamedTask, open_task, task};
 
 pub(crate) fn run(args: &PlanArgs) -> Outcome {
     let Request { name, robot, task } = request::request(args)?;

@@ -4,10 +4,10 @@ use crate::args::{self, PlanArgs, Point};
 use crate::failure::{Failure, Outcome};
 use crate::robot::{self, Bundled, Dynamics, Source, bundled};
 use shapebot_dynamics::Description;
+use shapebot_tasks::simulation::{Paper, Simulation};
 use shapebot_tasks::{
     Dimension, Method, Motion, Objective, Quantities, Said, Shares, TASKS, Task, parse,
 };
-use shapebot_tasks::simulation::{Paper, Simulation};
 use std::path::Path;
 
 const SAMPLES: usize = 501;
@@ -25,17 +25,11 @@ pub(super) struct Request {
 /// Finds what the user names: a task by its extension or name, everything else is a robot.
 pub(super) fn request(args: &PlanArgs) -> Outcome<Request> {
     let subject = &args.subject;
-    let mut request = if subject.ends_with(".toml") {
-        of_file(args, Path::new(subject))?
-    } else if is_robot(subject) {
+    let mut request = if !subject.ends_with(".toml") && is_robot(subject) {
         of_robot(args)?
-    } else if shapebot_tasks::text(subject).is_some() {
-        let (robot, task) = task(subject)?;
-        Request { name: subject.clone(), robot: robot.dynamics(&args.parameters.values)?, task }
     } else {
-        let tasks = TASKS.iter().map(|(name, _)| *name);
-        let known = bundled().map(Bundled::name).chain(tasks);
-        return Err(Failure::unknown("file, bundled robot or task", subject, known));
+        let NamedTask { name, robot, task } = open_task(subject)?;
+        Request { name, robot: robot.dynamics(&args.parameters.values)?, task }
     };
     let given = is_task(args).then(|| given_motion(args)).flatten();
     if let Some(option) = given {
@@ -80,7 +74,29 @@ pub(crate) fn task(name: &str) -> Outcome<(Source, Task)> {
 /// A longer file is no task.
 const LONGEST_FILE: u64 = 1 << 20;
 
-fn of_file(args: &PlanArgs, path: &Path) -> Outcome<Request> {
+/// A task with its name and its robot.
+pub(crate) struct NamedTask {
+    /// For the names of files.
+    pub(crate) name: String,
+    pub(crate) robot: Source,
+    pub(crate) task: Task,
+}
+
+/// Opens a task file or a bundled task.
+pub(crate) fn open_task(subject: &str) -> Outcome<NamedTask> {
+    if subject.ends_with(".toml") {
+        return of_file(Path::new(subject));
+    }
+    if shapebot_tasks::text(subject).is_none() {
+        let tasks = TASKS.iter().map(|(name, _)| *name);
+        let known = bundled().map(Bundled::name).chain(tasks);
+        return Err(Failure::unknown("file, bundled robot or task", subject, known));
+    }
+    let (robot, task) = task(subject)?;
+    Ok(NamedTask { name: subject.to_owned(), robot, task })
+}
+
+fn of_file(path: &Path) -> Outcome<NamedTask> {
     let failure = |error| Failure::file("read", path, &error);
     if std::fs::metadata(path).map_err(failure)?.len() > LONGEST_FILE {
         return Err(Failure::usage(format!("{} is too long for a task", path.display())));
@@ -96,9 +112,8 @@ fn of_file(args: &PlanArgs, path: &Path) -> Outcome<Request> {
         robot::open(named)
     };
     let robot = robot.map_err(|e| e.at(&task.robot.place))?;
-    let robot = robot.dynamics(&args.parameters.values)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Request { name, robot, task })
+    Ok(NamedTask { name, robot, task })
 }
 
 /// A robot with the motion that the options give.

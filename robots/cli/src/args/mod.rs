@@ -15,8 +15,8 @@ Exit codes: 0 done, 1 the model or the plan was refused, 2 wrong usage or input.
 
 /// Symbolic-to-code toolchain for balancing robots.
 ///
-/// Without a command: plans the task of Nagarajan and Hollis, Table II (2 m in 5 s), for its four
-/// systems by both methods, prints the comparison and writes the motions and plots.
+/// Without a command: plans the task of Nagarajan and Hollis, Table II, by both methods, simulates all
+/// bundled experiments, prints both tables and writes motions, plots and the report.
 #[derive(Debug, Parser)]
 #[command(name = "shapebot", version, styles = STYLES, after_help = EXIT_CODES, after_long_help = TOP_EXAMPLES)]
 #[command(args_conflicts_with_subcommands = true)]
@@ -24,17 +24,21 @@ pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
 
-    /// Folder for the motions and plots.
-    #[arg(short, long, value_name = "DIR", default_value = "shapebot-out")]
+    /// Folder for motions, plots and the report.
+    #[arg(short, long, value_name = "DIR", default_value = OUTPUT)]
     pub(crate) output: PathBuf,
 }
 
+const OUTPUT: &str = "shapebot-out";
+
 const TOP_EXAMPLES: &str = "\
 Examples:
-  shapebot                                  the comparison of Table II
+  shapebot                                  Table II and the closed loops of all experiments
   shapebot check my.robot                   what is wrong with a model, what is proved about it
   shapebot plan ballbot3d --line 2,0 --duration 5 --svg plan.svg
   shapebot plan walk.toml -o plans          a task file
+  shapebot simulate walk.toml --plot        the plan, followed by a controller on a simulated robot
+  shapebot robustness walk.toml -n 1000     the same with everything uncertain drawn at random
   shapebot inspect plans/walk.plan          a plan file: whole, unaltered, for which robot
   shapebot eval my.robot < states.jsonl     dynamics of given states
 
@@ -52,6 +56,14 @@ pub(crate) enum Command {
     Emit(EmitArgs),
     /// Plans a motion
     Plan(Box<PlanArgs>),
+    /// Lets a controller follow a planned task on a simulated robot
+    Simulate(SimulateArgs),
+    /// Plans and simulates all bundled experiments, and writes the report
+    Experiments(FolderArgs),
+    /// Simulates a task many times at random
+    Robustness(RobustnessArgs),
+    /// Plans the task of Table II for its four systems by both methods
+    Table(FolderArgs),
     /// Verifies a plan file, and converts it
     Inspect(InspectArgs),
     /// Evaluates dynamics: JSON lines in, JSON lines out
@@ -59,6 +71,12 @@ pub(crate) enum Command {
     /// Explains a diagnostic code, or lists all of them
     Explain(ExplainArgs),
 }
+
+mod closed_loop;
+
+pub(crate) use closed_loop::{
+    FolderArgs, MergeArgs, RobustnessArgs, RobustnessCommand, SimulateArgs,
+};
 
 const ROBOT_HELP: &str = "Model file, or name of a bundled robot";
 
