@@ -2,7 +2,7 @@
 
 use crate::description::{Axis, Command, DriveDescription, Node};
 use crate::message::{Message, MessageSignal, role_name};
-use proc_macro2::{Ident, Literal, Span, TokenStream};
+use proc_macro2::{Group, Ident, Literal, Span, TokenStream, TokenTree};
 use quote::{format_ident, quote};
 use shapebot_drive::{DataType, Entry, Field, Object, Pdo, Role, SdoStep, Signal, Source};
 
@@ -11,7 +11,7 @@ impl DriveDescription {
     /// PDOs in `frames`. The text is a pure function of the description.
     #[must_use]
     pub fn rust(&self) -> String {
-        let tokens = self.tokens();
+        let tokens = unsuffixed(self.tokens());
         // What we emit parses; if not, the compiler of the output says so at the place.
         match syn::parse2::<syn::File>(tokens.clone()) {
             Ok(file) => prettyplease::unparse(&file),
@@ -30,15 +30,17 @@ impl DriveDescription {
         let commands = self.commands.iter().map(command_tokens);
         let (node_count, axis_count) = (self.nodes.len(), self.axes.len());
         let command_count = self.commands.len();
+        let yaw_table = self.yaw.map(|_| quote!(YawTable,));
         let frames = self.messages().into_iter().map(|message| frame_tokens(&message));
         quote! {
             #[doc = #doc]
             #[rustfmt::skip]
+            #[allow(clippy::approx_constant, reason = "numbers of a description")]
             pub mod #module {
                 use ::shapebot_drive::{
                     AxisTable, BusTable, CommandTable, DataType, DriveTable, Entry, Field, MotorTable,
                     NodeId, NodeTable, OperatorTable, Pdo, Role, SafetyTable, SdoStep, Signal, Source,
-                    Timing, YawTable, object,
+                    Timing, #yaw_table object,
                 };
                 #table
                 #buses
@@ -148,6 +150,32 @@ impl DriveDescription {
     }
 }
 
+/// The same tokens with `4` for `4u8` and `40.0` for `40f32`: the tables have types.
+fn unsuffixed(tokens: TokenStream) -> TokenStream {
+    let each = |token| match token {
+        TokenTree::Group(group) => {
+            TokenTree::Group(Group::new(group.delimiter(), unsuffixed(group.stream())))
+        }
+        TokenTree::Literal(literal) => TokenTree::Literal(plain(&literal).unwrap_or(literal)),
+        other => other,
+    };
+    tokens.into_iter().map(each).collect()
+}
+
+/// A number without its suffix.
+fn plain(literal: &Literal) -> Option<Literal> {
+    let text = literal.to_string();
+    if !text.starts_with(|c: char| c.is_ascii_digit()) || text.starts_with("0x") {
+        return None;
+    }
+    if let Some(number) = text.strip_suffix("f32") {
+        let whole = !number.contains(['.', 'e']);
+        return format!("{number}{}", if whole { ".0" } else { "" }).parse().ok();
+    }
+    let suffixes = ["u8", "i8", "i32", "u32", "usize"];
+    suffixes.iter().find_map(|suffix| text.strip_suffix(suffix))?.parse().ok()
+}
+
 fn number_field(name: &str, value: u32) -> TokenStream {
     let (name, value) = (ident(name), Literal::u32_unsuffixed(value));
     quote!(#name: #value)
@@ -208,12 +236,12 @@ fn step_tokens(step: &SdoStep) -> TokenStream {
     match *step {
         SdoStep::Write { object, kind, value } => {
             let (object, kind, value) = (object_tokens(object), kind_tokens(kind), hex32(value));
-            quote!(SdoStep::Write { object: #object, kind: #kind, value: #value })
+            quote!(SdoStep::write(#object, #kind, #value))
         }
         SdoStep::Expect { object, kind, mask, value } => {
             let (object, kind) = (object_tokens(object), kind_tokens(kind));
             let (mask, value) = (hex32(mask), hex32(value));
-            quote!(SdoStep::Expect { object: #object, kind: #kind, mask: #mask, value: #value })
+            quote!(SdoStep::expect(#object, #kind, #mask, #value))
         }
     }
 }
@@ -238,7 +266,7 @@ fn entry_tokens(entry: &Entry) -> TokenStream {
         }
     };
     let scale = entry.scale;
-    quote!(Entry { object: #object, kind: #kind, signal: #signal, scale: #scale })
+    quote!(Entry::new(#object, #kind, #signal, #scale))
 }
 
 fn axis_tokens(axis: &Axis) -> TokenStream {

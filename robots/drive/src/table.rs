@@ -176,6 +176,20 @@ pub enum SdoStep {
     },
 }
 
+impl SdoStep {
+    /// Writes a value.
+    #[must_use]
+    pub const fn write(object: Object, kind: DataType, value: u32) -> Self {
+        Self::Write { object, kind, value }
+    }
+
+    /// Demands a value of the bits of a mask.
+    #[must_use]
+    pub const fn expect(object: Object, kind: DataType, mask: u32, value: u32) -> Self {
+        Self::Expect { object, kind, mask, value }
+    }
+}
+
 /// A PDO of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pdo {
@@ -239,6 +253,12 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// An object in a PDO.
+    #[must_use]
+    pub const fn new(object: Object, kind: DataType, signal: Signal, scale: f32) -> Self {
+        Self { object, kind, signal, scale }
+    }
+
     /// Bytes that nobody reads (dummy mapping).
     #[must_use]
     pub const fn gap(kind: DataType) -> Self {

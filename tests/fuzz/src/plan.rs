@@ -25,11 +25,8 @@ pub fn check(bytes: &[u8]) {
     one::<f64, 2, 6, 6>(&mut file, flip, time);
 }
 
-fn one<T, const NX: usize, const NS: usize, const F: usize>(
-    file: &mut [u8],
-    flip: usize,
-    time: T,
-) where
+fn one<T, const NX: usize, const NS: usize, const F: usize>(file: &mut [u8], flip: usize, time: T)
+where
     T: Stored + Send,
 {
     let Ok(plan) = PlanView::<T, NX, NS, F>::open(file) else { return };

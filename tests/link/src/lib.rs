@@ -4,9 +4,11 @@
 //! To check another function, add a call of it to [`everything`].
 #![no_std]
 
+mod drive;
+mod plan;
+
 use core::hint::black_box;
 use core::panic::PanicInfo;
-use shapebot_planner::value::{PlanView, Stored};
 
 unsafe extern "C" {
     /// Defined nowhere: the linker's complaint is the message.
@@ -28,10 +30,12 @@ pub extern "C" fn _start() -> ! {
 
 /// All that is checked.
 fn everything() {
-    plan_of_any_bytes::<f32, 1, 1, 1>();
-    plan_of_any_bytes::<f32, 2, 2, 2>();
-    plan_of_any_bytes::<f32, 2, 6, 6>();
-    plan_of_any_bytes::<f64, 2, 6, 6>();
+    plan::of_any_bytes::<f32, 1, 1, 1>();
+    plan::of_any_bytes::<f32, 2, 2, 2>();
+    plan::of_any_bytes::<f32, 2, 6, 6>();
+    plan::of_any_bytes::<f64, 2, 6, 6>();
+    drive::master_of_any_tables();
+    drive::slcan_of_any_bytes();
     #[cfg(feature = "planted")]
     planted(unknown([1, 2, 3]), unknown(0));
 }
@@ -42,19 +46,9 @@ fn unknown<T>(value: T) -> T {
 }
 
 /// Calls `use_bytes` with any number of bytes.
-fn with_bytes(use_bytes: impl Fn(&[u8])) {
+fn with_bytes(use_bytes: impl FnOnce(&[u8])) {
     let buffer = unknown([0; 4096]);
     use_bytes(buffer.get(..unknown(100)).unwrap_or(&buffer));
-}
-
-/// Reads a plan file and evaluates it.
-fn plan_of_any_bytes<T: Stored, const NX: usize, const NS: usize, const F: usize>() {
-    with_bytes(|bytes| {
-        if let Ok(plan) = PlanView::<T, NX, NS, F>::open(bytes) {
-            black_box((plan.start_time(), plan.end_time(), plan.nodes()));
-            black_box(plan.at(T::from_f64(unknown(1.0))));
-        }
-    });
 }
 
 /// An index that nothing bounds.

@@ -10,15 +10,18 @@ const INVALID: u32 = 1 << 31;
 /// Bit 30 of a transmit PDO's COB-ID: no remote requests.
 const NO_RTR: u32 = 1 << 30;
 
+/// Event timer of transmit PDOs that are sent on events, ms: lost ones are repeated.
+pub(super) const EVENT_TIMER_MS: u16 = 100;
+
 /// An object of a PDO by the PDO's number and the sub-index.
 type Place = fn(u8, u8) -> Object;
 
 const fn write(object: Object, kind: DataType, value: u32) -> SdoStep {
-    SdoStep::Write { object, kind, value }
+    SdoStep::write(object, kind, value)
 }
 
 const fn expect(object: Object, kind: DataType, value: u32) -> SdoStep {
-    SdoStep::Expect { object, kind, mask: u32::MAX, value }
+    SdoStep::expect(object, kind, u32::MAX, value)
 }
 
 /// Mantissa and exponent of 0x60C2 for a period in µs: mantissa · 10^exponent s.
@@ -167,6 +170,10 @@ impl Check<'_> {
                 continue;
             };
             map(steps, pdo, NO_RTR, parameters, mapping);
+            if !pdo.is_synchronous() {
+                let timer = u32::from(EVENT_TIMER_MS);
+                steps.push(write(parameters(number, 5), DataType::U16, timer));
+            }
             let on = NO_RTR | u32::from(pdo.cob_id);
             steps.push(write(parameters(number, 1), DataType::U32, on));
         }

@@ -150,5 +150,9 @@ const TELEMETRY_CYCLES: f64 = shapebot_drive::TELEMETRY_CYCLES as f64;
 const REPEAT_CYCLES: f64 = shapebot_drive::REPEAT_CYCLES as f64;
 
 fn input_rate(pdo: &Pdo) -> Rate {
-    if pdo.is_synchronous() { Rate::Input } else { Rate::Event }
+    if pdo.is_synchronous() {
+        Rate::Input
+    } else {
+        Rate::Every(f64::from(super::setup::EVENT_TIMER_MS) * 1e-3)
+    }
 }

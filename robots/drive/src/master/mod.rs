@@ -13,7 +13,8 @@ use crate::jitter::Jitter;
 use crate::legs::LegsState;
 use crate::safety::{Inputs, Request, State};
 use crate::table::{
-    DriveTable, MAX_AXES, MAX_COMMANDS, MAX_COORDINATES, MAX_ENTRIES, MAX_NODES, Pdo, Role,
+    DriveTable, MAX_AXES, MAX_BUSES, MAX_COMMANDS, MAX_COORDINATES, MAX_ENTRIES, MAX_NODES, Pdo,
+    Role,
 };
 use crate::yaw::{HeadingHold, Rotation};
 pub use inputs::Measurement;
@@ -336,7 +337,8 @@ impl<'a> Master<'a> {
 
     fn find_input(&self, bus: usize, id: u16) -> Option<(usize, usize)> {
         let used = self.lookup.get(..self.lookup_len)?;
-        let wanted = key(u8::try_from(bus).ok()?, id);
+        let bus = u8::try_from(bus).ok().filter(|bus| usize::from(*bus) < MAX_BUSES)?;
+        let wanted = key(bus, id);
         let at = used.binary_search_by_key(&wanted, |(key, ..)| *key).ok()?;
         used.get(at).map(|(_, node, pdo)| (usize::from(*node), usize::from(*pdo)))
     }
