@@ -11,6 +11,7 @@
 mod body;
 mod bus_list;
 mod buses;
+pub mod campaign;
 mod drive_sim;
 mod error;
 mod serve;

@@ -42,11 +42,16 @@ where
                 cycle.now as f64 * 1e-6,
                 cycle.snapshot.safety,
                 cycle.snapshot.plan_time,
-                cycle.snapshot.state.q.as_slice(), cycle.snapshot.state.qd.as_slice(),
+                cycle.snapshot.state.q.as_slice(),
+                cycle.snapshot.state.qd.as_slice(),
                 cycle.snapshot.target.position[0].as_slice(),
-                cycle.truth.unwrap().q.as_slice(), cycle.truth.unwrap().qd.as_slice(),
+                cycle.truth.unwrap().q.as_slice(),
+                cycle.truth.unwrap().qd.as_slice(),
                 command.actuator.as_slice(),
-                command.disturbance.as_slice(), command.trim.as_slice(), command.compensation.as_slice(), cycle.snapshot.target.shape[0].as_slice(),
+                command.disturbance.as_slice(),
+                command.trim.as_slice(),
+                command.compensation.as_slice(),
+                cycle.snapshot.target.shape[0].as_slice(),
             );
         }
     });
