@@ -248,7 +248,11 @@ where
             let elapsed = seconds::<T>(time.saturating_sub(self.tracking_since));
             let at = plan.start_time() + elapsed;
             let plan = plan.at(at);
-            let target = Target { position: plan.position, shape: plan.shape, force: plan.force };
+            // A plan's forces are those without friction.
+            let q = R::join(&plan.position[0], &plan.shape[0]);
+            let qd = R::join(&plan.position[1], &plan.shape[1]);
+            let force = plan.force - self.robot.dissipative_force(&q, &qd);
+            let target = Target { position: plan.position, shape: plan.shape, force };
             return (target, Some(at));
         }
         let mut target = self.stand.step(self.robot, &self.balance, &self.settings, time);

@@ -3,8 +3,8 @@
 use crate::{Digest, Inputs, Outcome, Step, run};
 use shapebot_dynamics::nalgebra::SVector;
 use shapebot_dynamics::{LagrangianSystem, Motion, Real};
-use shapebot_generated::ballbot3d_arms::Ballbot3dArms;
-use shapebot_planner::value::{PlanState, PlanView, encode, encoded_len};
+use shapebot_generated::ballbot3d_arms::{Ballbot3dArms, DESCRIPTION};
+use shapebot_planner::value::{PlanState, PlanView, RobotId, encode, encoded_len};
 use shapebot_planner::{Desired, PlanPoint, Row};
 
 /// Runs all steps, `count` evaluations each, and passes on what comes out.
@@ -12,7 +12,7 @@ pub fn all(count: u32, clock: &mut impl FnMut() -> u32, pass: &mut impl FnMut(Ou
     pass(run(SineCosine::new(), count, &mut *clock));
     pass(run(ArmsMotion::new(), count, &mut *clock));
     let file = plan_file();
-    if let Ok(plan) = PlanView::open(&file) {
+    if let Ok(plan) = PlanView::open_any(&file) {
         pass(run(PlanEvaluation::new(plan), count, &mut *clock));
     }
 }
@@ -116,7 +116,8 @@ fn plan_file() -> [u8; PLAN_BYTES] {
     let force = |_: &Row<f32, 2, 6>| SVector::<f32, 6>::from(forces.within(10.0));
     // Cannot fail: the buffer is as long as it is said to be and all numbers are finite. A plan that
     // is not written would not open, and its line would be missing.
-    let _ = encode::<f32, f32, 2, 6, 6>(rows, 1, force, &mut file);
+    let robot = RobotId::of(&DESCRIPTION);
+    let _ = encode::<f32, f32, 2, 6, 6>(&robot, rows, 1, force, &mut file);
     file
 }
 

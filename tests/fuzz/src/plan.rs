@@ -29,7 +29,7 @@ fn one<T, const NX: usize, const NS: usize, const F: usize>(file: &mut [u8], fli
 where
     T: Stored + Send,
 {
-    let Ok(plan) = PlanView::<T, NX, NS, F>::open(file) else { return };
+    let Ok(plan) = PlanView::<T, NX, NS, F>::open_any(file) else { return };
     assert!(plan.nodes() >= 2);
     let state = plan.at(time);
     // Compared as text: NaN is a number that a file may hold, and equal to itself here.
@@ -41,7 +41,7 @@ where
     // The checksum finds every error of one bit.
     let bit = flip % (file.len() * 8);
     file[bit / 8] ^= 1 << (bit % 8);
-    assert!(PlanView::<T, NX, NS, F>::open(file).is_err(), "bit {bit} may be flipped");
+    assert!(PlanView::<T, NX, NS, F>::open_any(file).is_err(), "bit {bit} may be flipped");
 }
 
 /// Writes the checksum that belongs to the bytes before it.
@@ -86,9 +86,9 @@ mod tests {
     #[test]
     fn a_mended_file_opens_and_is_evaluated() {
         let mut file = plan();
-        assert!(PlanView::<f32, 1, 1, 1>::open(&file).is_err());
+        assert!(PlanView::<f32, 1, 1, 1>::open_any(&file).is_err());
         mend_checksum(&mut file);
-        let opened = PlanView::<f32, 1, 1, 1>::open(&file).expect("a plan");
+        let opened = PlanView::<f32, 1, 1, 1>::open_any(&file).expect("a plan");
         assert_eq!((opened.nodes(), opened.end_time()), (2, 0.5));
         for time in [-1.0, 0.2, 0.5, 7.0, f64::NAN, f64::INFINITY] {
             let mut bytes = vec![1; CHOICES - 8];

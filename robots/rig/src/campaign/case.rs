@@ -82,11 +82,11 @@ impl Case {
     /// Whether it can be injected in a state; `powered_up`: nothing has been sent yet.
     #[must_use]
     pub fn fits(&self, _state: State, powered_up: bool) -> bool {
-        let at_start = match self.injection {
-            Injection::Swapped(..) => true,
-            Injection::Node(_, NodeFault::Missing(_) | NodeFault::Value(..)) => true,
-            _ => false,
-        };
+        let at_start = matches!(
+            self.injection,
+            Injection::Swapped(..)
+                | Injection::Node(_, NodeFault::Missing(_) | NodeFault::Value(..))
+        );
         at_start == powered_up
     }
 }

@@ -346,6 +346,8 @@ where
         let now = self.world.now();
         let master = self.runtime.master();
         let state = master.state();
+        let commanded =
+            (0..self.subject.table.axes.len()).any(|axis| master.torque_counts(axis) != 0);
         if self.effect.is_none() && master.counters().cycles > self.cycle {
             self.effect = Some(now);
         }
@@ -364,8 +366,6 @@ where
         if self.down_since.is_some() && state != State::FaultDown {
             self.report(Violation::Enabled(state));
         }
-        let commanded =
-            (0..self.subject.table.axes.len()).any(|axis| master.torque_counts(axis) != 0);
         if commanded && !state.permits_torque() {
             self.report(Violation::Commanded { state, at: self.since() });
         }
