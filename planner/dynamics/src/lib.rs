@@ -9,6 +9,7 @@ pub mod control;
 mod description;
 mod parameter;
 mod scalar;
+mod sine;
 mod system;
 
 pub use description::{
