@@ -48,7 +48,7 @@ robot BallbotPlanar {
     point center = ball;
     point head = ball + body*[0, 0, 2*l_b];
     shape wheel = sphere(r_w) at ball;
-    shape trunk_hull = cylinder(r_w, 3/2*l_b) on body at ball + body*[0, 0, l_b];
+    shape trunk_hull = cylinder(r_w, 2*l_b - 12/5*r_w) on body at ball + body*[0, 0, l_b];
 
     require shape_accelerated;
 }

@@ -4,7 +4,7 @@
 use shapebot_dynamics::Robot;
 use shapebot_dynamics::nalgebra::SVector;
 use shapebot_planner::motion::Line;
-use shapebot_planner::value::write_csv;
+use shapebot_planner::value::{RobotId, write_csv};
 use shapebot_planner::{Refinement, Row, Task, Weighting, Workspace, actuator_force, plan, refine};
 use std::error::Error;
 use std::fmt::Write;
@@ -54,7 +54,8 @@ impl Output<'_> {
         let names: [&str; N] = std::array::from_fn(|row| names[row].as_str());
         let mut text = String::new();
         let force = |row: &_| actuator_force::<_, _, N, NX, NS>(robot, row);
-        write_csv(&mut text, robot.description(), names, rows, force)?;
+        let description = robot.description();
+        write_csv(&mut text, &RobotId::of(description), description, names, rows, force)?;
         fs::write(self.folder.join(format!("{system}_{method}_{samples}.csv")), text)?;
         Ok(())
     }

@@ -6,8 +6,8 @@
 #![forbid(unsafe_code)]
 
 pub mod checkout;
-pub mod closed_loop;
 pub mod checks;
+pub mod closed_loop;
 pub mod compare;
 pub mod copies;
 pub mod dual;

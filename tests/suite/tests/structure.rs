@@ -120,9 +120,15 @@ fn libraries_forbid_unsafe_code() {
 
 #[test]
 fn runtime_crates_need_no_standard_library() {
-    for folder in
-        ["planner/dynamics", "planner/planner", "generated", "robots/models", "robots/control"]
-    {
+    for folder in [
+        "planner/dynamics",
+        "planner/planner",
+        "generated",
+        "robots/models",
+        "robots/control",
+        "robots/drive",
+        "robots/drives",
+    ] {
         let text = read(&format!("{folder}/src/lib.rs"));
         assert!(text.contains("#![no_std]"), "{folder}");
     }
