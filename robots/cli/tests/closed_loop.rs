@@ -93,7 +93,7 @@ fn wrong_simulations_are_refused_at_their_key() {
     refused("start.position=1 m", "expected 2 numbers, found 1");
     refused("slope=1 m", "expected an angle");
     refused("weights.nose=1 N", "no point `nose`");
-    refused("controller=lqr", "needs `lqr");
+    refused("controller=lqr", "`lqr`: this key is missing");
     refused("plant_model=balbot", "did you mean");
     refused("plant_model=cartpole_planar", "has no 8 coordinates");
     let simulate = |task: &str| shapebot(here.path(), &["simulate", task], "");

@@ -128,7 +128,7 @@ where
     /// Forces for the period that begins now.
     ///
     /// If a measured or wanted value is not finite, the command is zero force with
-    /// [`Command::fault`], and nothing is remembered.
+    /// `fault` of the [`Command`], and nothing is remembered.
     pub fn step(
         &mut self,
         state: &State<T, N>,

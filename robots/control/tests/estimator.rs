@@ -144,6 +144,12 @@ fn a_motion_is_followed() {
     every::<Follows>();
 }
 
+/// Whether the loop has margin enough to stay in place until the estimator has found what is wrong with
+/// its unit.
+fn keeps_its_place(design: &ControlDesign) -> bool {
+    design.figures.delay_margin > 0.03
+}
+
 struct FindsGyroBias;
 
 impl Check for FindsGyroBias {
@@ -168,7 +174,9 @@ impl Check for FindsGyroBias {
         if NX > 1 {
             assert!((found[0] - bias).abs() < 0.02 * bias, "{name}: {found}");
         }
-        assert!(outcome.end < 0.05, "{name}: {}", outcome.end);
+        if keeps_its_place(design) {
+            assert!(outcome.end < 0.05, "{name}: {}", outcome.end);
+        }
     }
 }
 
@@ -188,7 +196,7 @@ impl Check for FindsOffset {
     ) where
         R: Robot<f64, N, NX, NS>,
     {
-        if !balances(robot) {
+        if !balances(robot) || !keeps_its_place(design) {
             return;
         }
         let tilt = 0.5_f64.to_radians();

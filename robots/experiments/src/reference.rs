@@ -51,7 +51,7 @@ fn desired<const NX: usize>(rows: &[Row], time: f64) -> [SVector<f64, NX>; 2] {
         return [at, velocity.unwrap_or_else(SVector::zeros)];
     };
     let (h, s) = (b.time - a.time, (time - a.time) / (b.time - a.time));
-    if !(h > 0.0) {
+    if h.is_nan() || h <= 0.0 {
         return [vector(&a.desired), vector(&a.desired_velocity)];
     }
     let (p, v) = (vector(&a.desired), vector(&a.desired_velocity) * h);

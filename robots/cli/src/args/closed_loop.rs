@@ -31,7 +31,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_enum)]
     pub(crate) method: Option<Method>,
 
-    /// A key of the task's [simulation] with another value
+    /// A key of the task's `[simulation]` with another value
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
 
@@ -97,7 +97,7 @@ pub(crate) struct RobustnessArgs {
     #[arg(long, value_enum)]
     pub(crate) method: Option<Method>,
 
-    /// A key of the task's [simulation] with another value
+    /// A key of the task's `[simulation]` with another value
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
 
