@@ -26,6 +26,9 @@ enum Port {
     Terminal,
 }
 
+/// Opens a port for a bus of a description.
+type Opener<'o> = dyn FnMut(&Port, &shapebot_drive_build::Bus) -> Result<Box<dyn Bus>, Error> + 'o;
+
 /// Which buses a drive is on: `virtual`, or for each bus of the drive a port: `vcan0`, `/dev/ttyACM0`,
 /// `/dev/pts/3`, for simulated nodes also `pty`, which makes a new pseudo-terminal. Several ports are
 /// separated by commas, in the order of the description or as `drive=vcan0,body=vcan1`.
@@ -119,7 +122,7 @@ impl BusList {
         &self,
         description: &DriveDescription,
         log: Option<&W>,
-        open: &mut dyn FnMut(&Port, &shapebot_drive_build::Bus) -> Result<Box<dyn Bus>, Error>,
+        open: &mut Opener<'_>,
     ) -> Result<Wired, Error>
     where
         W: Write + Clone + 'static,

@@ -32,31 +32,8 @@ where
     gains.period = f64::from(table.timing.period_us) * 1e-6;
     let mut runtime = Runtime::new(robot, &table, &gains, &Settings::default()).unwrap();
     runtime.load(plan).unwrap();
-    let mut rows = 0;
-    let outcome = run(&mut runtime, (robot, &plan), &mut world, &Script::default(), &mut |cycle| {
-        rows += 1;
-        if std::env::var("SHAPEBOT_TRACE").is_ok() && rows % 50 == 0 {
-            let Some(command) = cycle.snapshot.command else { return };
-            eprintln!(
-                "{:.3} {:?} {:?} q {:.4?} qd {:.4?} want {:.4?} truth {:.4?} rates {:.4?} force {:.2?} d {:.3?} trim {:.4?} comp {:.4?} wants {:.4?}",
-                cycle.now as f64 * 1e-6,
-                cycle.snapshot.safety,
-                cycle.snapshot.plan_time,
-                cycle.snapshot.state.q.as_slice(),
-                cycle.snapshot.state.qd.as_slice(),
-                cycle.snapshot.target.position[0].as_slice(),
-                cycle.truth.unwrap().q.as_slice(),
-                cycle.truth.unwrap().qd.as_slice(),
-                command.actuator.as_slice(),
-                command.disturbance.as_slice(),
-                command.trim.as_slice(),
-                command.compensation.as_slice(),
-                cycle.snapshot.target.shape[0].as_slice(),
-            );
-        }
-    });
+    let outcome = run(&mut runtime, (robot, &plan), &mut world, &Script::default(), &mut |_| {});
     let outcome = outcome.unwrap_or_else(|error| panic!("{drive}: {error}"));
-    println!("{drive}: {outcome:.6?}");
     outcome
 }
 

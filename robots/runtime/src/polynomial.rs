@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn both_ends_are_met_and_rates_are_derivatives() {
-        let start = [1.0, 2.0, -3.0].map(Vector1::new);
+        let start = [1.0_f64, 2.0, -3.0].map(Vector1::new);
         let motion = ToRest::new(start, Vector1::new(4.0), 1.5);
         assert_eq!(motion.at(0.0), start);
         let [end, rate, second] = motion.at(1.5 - 1e-9);
@@ -70,7 +70,7 @@ mod tests {
         for time in [0.2, 0.7, 1.3] {
             let h = 1e-5;
             let [before, here, after] = [time - h, time, time + h].map(|t| motion.at(t));
-            let rate = (after[0][0] - before[0][0]) / (2.0 * h);
+            let rate: f64 = (after[0][0] - before[0][0]) / (2.0 * h);
             let second = (after[1][0] - before[1][0]) / (2.0 * h);
             assert!((rate - here[1][0]).abs() < 1e-7, "{rate} {}", here[1][0]);
             assert!((second - here[2][0]).abs() < 1e-6, "{second} {}", here[2][0]);

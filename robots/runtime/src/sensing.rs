@@ -52,6 +52,12 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Sensing<T, N,
         self.estimate = None;
     }
 
+    /// One for each position variable whose value is from `least` to `most` cycles old.
+    fn mask(measurement: &Measurement, least: u8, most: u8) -> SVector<T, NX> {
+        let is_in = |i: usize| (least..=most).contains(&measurement.age(i));
+        SVector::from_fn(|i, _| if is_in(i) { T::one() } else { T::zero() })
+    }
+
     /// The state at the SYNC of the measurement. `target` is what was wanted a cycle ago, `free`
     /// whether nothing but the ball touches the floor.
     pub(crate) fn step<R: Robot<T, N, NX, NS>>(
@@ -63,10 +69,10 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Sensing<T, N,
         let c = T::from_f64;
         let rates: SVector<T, NS> =
             SVector::from_fn(|i, _| c(f64::from(measurement.velocity(NX + i))));
-        let shape: SVector<T, NS> = SVector::from_fn(|i, _| {
-            let late = c(f64::from(measurement.age(NX + i).min(CARRIED)));
-            c(measurement.position(NX + i)) + rates[i] * (late * self.period)
-        });
+        let late: SVector<T, NS> =
+            SVector::from_fn(|i, _| c(f64::from(measurement.age(NX + i).min(CARRIED))));
+        let sampled: SVector<T, NS> = SVector::from_fn(|i, _| c(measurement.position(NX + i)));
+        let shape = sampled + rates.component_mul(&late) * self.period;
         let mut position = SVector::<T, NX>::from_element(T::zero());
         for (i, (entry, origin)) in position.iter_mut().zip(&self.origin).enumerate() {
             *entry = c(measurement.position(i) - origin);
@@ -83,16 +89,13 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Sensing<T, N,
         let mut ahead = y + rate * self.period + acceleration * half;
         let mut rate = rate + acceleration * self.period;
         let [alpha, beta] = self.gains;
-        for i in 0..NX {
-            // What did not come is carried on.
-            if measurement.age(i) == 0 {
-                let residual = measured[i] - ahead[i];
-                rate[i] += residual * beta;
-                ahead[i] += residual * alpha;
-            } else if measurement.age(i) <= CARRIED {
-                position[i] = ahead[i] + (self.response * shape)[i];
-            }
-        }
+        // What did not come is carried on.
+        let (fresh, carried) = (Self::mask(measurement, 0, 0), Self::mask(measurement, 1, CARRIED));
+        let residual = (measured - ahead).component_mul(&fresh);
+        rate += residual * beta;
+        ahead += residual * alpha;
+        let expected = ahead + self.response * shape;
+        position += (expected - position).component_mul(&carried);
         self.estimate = Some([ahead, rate]);
         State {
             q: R::join(&position, &shape),

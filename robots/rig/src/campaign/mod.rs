@@ -18,10 +18,12 @@
 mod case;
 mod checkpoint;
 mod judge;
+mod verdict;
 
 pub use case::{Case, Expect, Injection, cases};
 pub use checkpoint::{Checkpoint, Subject, checkpoints};
-pub use judge::{Verdict, Violation, inject};
+pub use judge::inject;
+pub use verdict::{Verdict, Violation};
 
 use crate::Error;
 use shapebot_drive::safety::{STATES, State};
