@@ -33,8 +33,7 @@ where
     let mut runtime = Runtime::new(robot, &table, &gains, &Settings::default()).unwrap();
     runtime.load(plan).unwrap();
     let outcome = run(&mut runtime, (robot, &plan), &mut world, &Script::default(), &mut |_| {});
-    let outcome = outcome.unwrap_or_else(|error| panic!("{drive}: {error}"));
-    outcome
+    outcome.unwrap_or_else(|error| panic!("{drive}: {error}"))
 }
 
 /// One and a half times the bound of the closed loop without frames: .001 m.
