@@ -10,6 +10,7 @@ pub mod control;
 mod description;
 mod parameter;
 mod scalar;
+mod sine;
 mod system;
 
 pub use description::{

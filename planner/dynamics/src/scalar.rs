@@ -8,7 +8,7 @@ use num_traits::{One, Zero};
 /// No ordering: emitted code is branch-free.
 ///
 /// f32 and f64 call the `libm` crate on every target, so that host and microcontroller agree to the
-/// last bit.
+/// last bit. Sine and cosine of f32 are computed here, in single precision alone.
 pub trait Real:
     Copy
     + PartialEq
@@ -70,7 +70,7 @@ pub trait Ordered: Real + PartialOrd {
 }
 
 macro_rules! float {
-    ($t:ty, $sincos:ident, $sqrt:ident, $exp:ident, $ln:ident, $asin:ident, $acos:ident, $atan:ident, $atan2:ident) => {
+    ($t:ty, $sincos:path, $sqrt:ident, $exp:ident, $ln:ident, $asin:ident, $acos:ident, $atan:ident, $atan2:ident) => {
         impl Real for $t {
             #[inline]
             #[allow(clippy::cast_possible_truncation)]
@@ -79,7 +79,7 @@ macro_rules! float {
             }
             #[inline]
             fn sin_cos(self) -> (Self, Self) {
-                libm::$sincos(self)
+                $sincos(self)
             }
             #[inline]
             fn sqrt(self) -> Self {
@@ -123,5 +123,5 @@ macro_rules! float {
     };
 }
 
-float!(f64, sincos, sqrt, exp, log, asin, acos, atan, atan2);
-float!(f32, sincosf, sqrtf, expf, logf, asinf, acosf, atanf, atan2f);
+float!(f64, libm::sincos, sqrt, exp, log, asin, acos, atan, atan2);
+float!(f32, crate::sine::sin_cos, sqrtf, expf, logf, asinf, acosf, atanf, atan2f);

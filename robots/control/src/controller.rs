@@ -99,6 +99,27 @@ where
         &self.gains
     }
 
+    /// Shape through which the body accelerates the robot, per acceleration in units of q_x per s²: a
+    /// right inverse of K⁰_qs that leaves servoed shape variables alone where the robot balances.
+    pub fn body_gain(&self) -> &SMatrix<T, NS, NX> {
+        &self.plant.body_gain
+    }
+
+    /// The largest acceleration along each position variable that compensation can make.
+    pub fn authority(&self) -> &SVector<T, NX> {
+        &self.offset_limit
+    }
+
+    /// (∂h/∂q_x)⁻¹ ∂h/∂q_s at the origin.
+    pub fn output_shape(&self) -> &SMatrix<T, NX, NS> {
+        &self.plant.output_shape
+    }
+
+    /// One for each shape coordinate that is servoed while the position variables balance the rest.
+    pub fn servoed(&self) -> SVector<T, NS> {
+        if self.plant.balancing { self.plant.servoed } else { SVector::from_element(T::zero()) }
+    }
+
     /// Forgets integrals and estimates: the next step is the first.
     pub fn reset(&mut self) {
         self.memory = None;

@@ -11,6 +11,7 @@ pub mod closed_loop;
 pub mod compare;
 pub mod copies;
 pub mod dual;
+pub mod emulator;
 pub mod environment;
 pub mod linear_algebra;
 pub mod models;

@@ -120,9 +120,16 @@ fn libraries_forbid_unsafe_code() {
 
 #[test]
 fn runtime_crates_need_no_standard_library() {
-    for folder in
-        ["planner/dynamics", "planner/planner", "generated", "robots/models", "robots/control"]
-    {
+    for folder in [
+        "planner/dynamics",
+        "planner/planner",
+        "generated",
+        "robots/models",
+        "robots/control",
+        "robots/drive",
+        "robots/drives",
+        "robots/runtime",
+    ] {
         let text = read(&format!("{folder}/src/lib.rs"));
         assert!(text.contains("#![no_std]"), "{folder}");
     }
@@ -177,6 +184,8 @@ fn no_robot_is_named_in_code() {
         "robots/models/",
         "robots/planning/",
         "robots/report/src/",
+        "robots/rig/src/",
+        "robots/runtime/src/",
         "robots/sim/src/",
     ];
     let searched = |path: &&String| {

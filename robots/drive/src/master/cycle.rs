@@ -1,0 +1,174 @@
+//! The cycle: SYNC, and what was missing since the last.
+
+use super::{Master, Send, synchronous};
+use crate::cia402;
+use crate::fault::Fault;
+use crate::frame::Frame;
+use crate::id::SYNC;
+use crate::safety::State;
+use crate::table::Role;
+
+impl Master<'_> {
+    /// Ends the cycle before and begins the next with SYNC.
+    pub(super) fn begin_cycle(&mut self, now: u64, out: Send<'_>) {
+        let timing = &self.table.timing;
+        let late = now.saturating_sub(self.next_sync);
+        let period = u64::from(timing.period_us).max(1);
+        let late_us = u32::try_from(late).unwrap_or(u32::MAX);
+        self.jitter.add(late_us);
+        if late_us > timing.jitter_limit_us && self.state != State::Off {
+            self.raise(Fault::SyncJitter, None, now, late_us);
+        }
+        if self.counters.cycles > 0 {
+            self.end_cycle(now, out);
+        }
+        for bus in 0..self.table.buses.len() {
+            out(bus, Frame::new(SYNC, &[]));
+        }
+        self.counters.cycles = self.counters.cycles.saturating_add(1);
+        self.last_sync = now;
+        self.next_sync = self.next_sync.saturating_add(period);
+        if self.next_sync <= now {
+            let skipped = u32::try_from(late.checked_div(period).unwrap_or(0)).unwrap_or(u32::MAX);
+            self.counters.skipped = self.counters.skipped.saturating_add(skipped);
+            self.next_sync = now.saturating_add(period);
+        }
+        for node in &mut self.nodes {
+            node.received = 0;
+            node.synchronised = node.is_running();
+        }
+        self.taken = false;
+        self.commanded = false;
+        self.event_budget = 1;
+    }
+
+    /// Missing inputs, a silent controller.
+    fn end_cycle(&mut self, now: u64, out: Send<'_>) {
+        self.take_inputs(now);
+        self.count_missed(now);
+        if self.commanded {
+            self.silent = 0;
+        } else {
+            self.counters.silent = self.counters.silent.saturating_add(1);
+            self.silent = self.silent.saturating_add(1);
+            if self.silent >= self.table.safety.silent_fault && self.state.permits_torque() {
+                self.raise(Fault::ControllerSilent, None, now, self.silent.into());
+            }
+            self.step(now);
+            // The torques of before, or zero if the state forbids them.
+            self.send_cyclic(out);
+        }
+    }
+
+    fn count_missed(&mut self, now: u64) {
+        let (warning, limit) = (self.table.timing.missed_warning, self.table.timing.missed_fault);
+        for (index, table) in self.table.nodes.iter().enumerate() {
+            let Some(state) = self.nodes.get_mut(index) else { continue };
+            let expected = synchronous(table.transmit);
+            let waited_for = state.is_running() && state.synchronised;
+            if !waited_for || state.received & expected == expected {
+                state.missed = 0;
+                continue;
+            }
+            state.missed = state.missed.saturating_add(1);
+            let missed = state.missed;
+            self.counters.missed = self.counters.missed.saturating_add(1);
+            if missed == warning {
+                self.counters.warnings = self.counters.warnings.saturating_add(1);
+            }
+            if missed == limit && self.state != State::Off {
+                self.raise(Fault::MissedInputs, Some(index), now, missed.into());
+            }
+        }
+    }
+
+    /// Statusword and mode of each drive, sensors, legs.
+    pub(super) fn check_nodes(&mut self, now: u64) {
+        if matches!(self.state, State::Off | State::FaultDown) {
+            return;
+        }
+        for (index, table) in self.table.nodes.iter().enumerate() {
+            let Some(node) = self.nodes.get(index).copied() else { continue };
+            if !node.is_running() {
+                continue;
+            }
+            match table.role {
+                Role::Drive if node.received != 0 => {
+                    let state = node.drive_state();
+                    let word = u32::from(node.statusword);
+                    if state.is_fault() || node.error_register & 1 != 0 {
+                        self.raise(Fault::DriveFault, Some(index), now, word);
+                    } else if self.state.permits_torque()
+                        && state != cia402::State::OperationEnabled
+                    {
+                        self.raise(Fault::NotEnabled, Some(index), now, word);
+                    }
+                    if !node.is_in_mode(table) {
+                        self.raise(Fault::WrongMode, Some(index), now, node.mode as u8 as u32);
+                    }
+                }
+                Role::Imu | Role::Encoder => {
+                    if node.health != 0 {
+                        self.raise(Fault::SensorUnhealthy, Some(index), now, node.health.into());
+                    }
+                    if node.stale >= self.table.safety.stale_fault {
+                        self.raise(Fault::SensorStale, Some(index), now, node.stale.into());
+                    }
+                }
+                Role::Legs => {
+                    if let Some(legs) = node.legs.filter(|legs| legs.is_faulty()) {
+                        self.raise(Fault::Legs, Some(index), now, legs.0.into());
+                    }
+                }
+                Role::Drive => {}
+            }
+        }
+        self.check_pairs(now);
+        self.check_lean(now);
+    }
+
+    /// Drives of one axis go the same way.
+    fn check_pairs(&mut self, now: u64) {
+        if !self.state.permits_torque() {
+            return;
+        }
+        for axis in self.table.axes {
+            let mut moved = axis.drives.iter().filter_map(|drive| {
+                let node = self.nodes.get(usize::from(*drive))?;
+                Some((*drive, node.position - node.origin))
+            });
+            let Some((_, first)) = moved.next() else { continue };
+            let tolerance = f64::from(axis.pair_tolerance);
+            let apart = |(_, other): &(u8, f64)| libm::fabs(other - first) > tolerance;
+            if let Some((drive, _)) = moved.find(apart) {
+                self.raise(Fault::PairDisagrees, Some(drive.into()), now, 0);
+            }
+        }
+    }
+
+    fn check_lean(&mut self, now: u64) {
+        if !self.state.permits_torque() {
+            return;
+        }
+        let limit = self.table.safety.lean_limit;
+        for lean in self.table.safety.lean {
+            let value = self.measurement.position(usize::from(*lean));
+            if libm::fabs(value) > f64::from(limit) {
+                self.raise(Fault::Lean, None, now, (*lean).into());
+            }
+        }
+    }
+
+    /// An emergency message of a node; error code zero says that an error is gone.
+    pub(super) fn emergency(&mut self, index: usize, frame: &Frame, now: u64) {
+        let Some([low, high, register, ..]) = frame.exactly::<8>() else {
+            self.counters.malformed = self.counters.malformed.saturating_add(1);
+            return;
+        };
+        let code = u16::from_le_bytes([low, high]);
+        if code != 0 && !matches!(self.state, State::Off | State::FaultDown) {
+            let detail = u32::from(register) << 16 | u32::from(code);
+            self.raise(Fault::Emergency, Some(index), now, detail);
+        }
+    }
+}

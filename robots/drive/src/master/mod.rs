@@ -1,0 +1,495 @@
+//! The master: all of a drive's buses, from boot to torque.
+
+mod boot;
+mod cycle;
+mod inputs;
+mod node;
+mod outputs;
+
+use crate::fault::{Fault, FaultRecord, Faults};
+use crate::frame::Frame;
+use crate::id::{Function, NMT, SYNC};
+use crate::jitter::Jitter;
+use crate::legs::LegsState;
+use crate::safety::{Inputs, Request, State};
+use crate::table::{
+    DriveTable, MAX_AXES, MAX_BUSES, MAX_COMMANDS, MAX_COORDINATES, MAX_ENTRIES, MAX_NODES, Pdo,
+    Role,
+};
+use crate::yaw::{HeadingHold, Rotation};
+pub use inputs::Measurement;
+use node::NodeState;
+pub use outputs::Command;
+
+/// Where frames go: index of the bus, frame.
+pub(crate) type Send<'s> = &'s mut dyn FnMut(usize, Frame);
+
+/// Transmit PDOs of all nodes.
+const MAX_INPUTS: usize = 4 * MAX_NODES;
+
+/// What happened on the buses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// SYNCs.
+    pub cycles: u32,
+    /// Frames received.
+    pub received: u32,
+    /// Frames with an identifier that is nobody's.
+    pub unknown: u32,
+    /// Frames with a wrong length, an extended identifier, or remote requests.
+    pub malformed: u32,
+    /// SDO answers that were not asked for.
+    pub unexpected: u32,
+    /// Inputs that came twice in a cycle.
+    pub duplicate: u32,
+    /// Cycles of a node without its inputs.
+    pub missed: u32,
+    /// Times that as many were missed in a row as is a warning.
+    pub warnings: u32,
+    /// Cycles without a torque command of the controller.
+    pub silent: u32,
+    /// Cycles that were left out because SYNC was more than a period late.
+    pub skipped: u32,
+    /// Torques that were clamped or slewed.
+    pub limited: u32,
+}
+
+/// CANopen master of a robot: frames and time go in, frames come out.
+///
+/// The caller passes each received frame to [`Self::receive`], calls [`Self::poll`] after that and at
+/// [`Self::next_wake`], and once a cycle, when [`Self::inputs_due`] says so, takes
+/// [`Self::measure`], runs its controller and gives the torques to [`Self::command`]. They act at the
+/// next SYNC.
+///
+/// Time is microseconds of a clock that does not go backwards. Nothing that is received can make it
+/// panic, wait or take more than a bounded number of steps.
+#[derive(Clone, Debug)]
+pub struct Master<'a> {
+    table: &'a DriveTable<'a>,
+    nodes: [NodeState; MAX_NODES],
+    /// Identifier with the bus above it, node and PDO of each input, sorted.
+    lookup: [(u16, u8, u8); MAX_INPUTS],
+    lookup_len: usize,
+    state: State,
+    entered: u64,
+    faults: Faults,
+    failed_step: Option<(u8, u16)>,
+    request: Option<Request>,
+    plan_ready: bool,
+    finished: bool,
+    /// When SYNC is due.
+    next_sync: u64,
+    last_sync: u64,
+    started: bool,
+    next_heartbeat: u64,
+    jitter: Jitter,
+    counters: Counters,
+    /// Inputs of this cycle were taken.
+    taken: bool,
+    /// The controller gave torques in this cycle.
+    commanded: bool,
+    silent: u8,
+    measurement: Measurement,
+    rotation: Rotation,
+    axis_position: [f64; MAX_AXES],
+    heading: Option<HeadingHold>,
+    target: f32,
+    /// Forces of the axes as applied, in the drive unit's frame, N·m or N.
+    applied: [f32; MAX_AXES],
+    /// The same as counts of each drive's torque object.
+    counts: [i32; MAX_AXES],
+    sent: [Option<[u8; 8]>; MAX_COMMANDS],
+    /// Frames outside of the cycle that may still be sent in it.
+    event_budget: u8,
+    /// Axes whose position came at least once, a bit each.
+    axis_known: u8,
+    /// Positions in the drive unit's plane, integrated in the body's frame.
+    plane: [f64; 2],
+}
+
+const _: () = assert!(MAX_ENTRIES == 8 && MAX_COORDINATES <= 16);
+
+impl<'a> Master<'a> {
+    /// A master that has not sent anything yet. The first [`Self::poll`] resets all nodes.
+    #[must_use]
+    pub fn new(table: &'a DriveTable<'a>) -> Self {
+        let mut lookup = [(u16::MAX, 0, 0); MAX_INPUTS];
+        let inputs = table.nodes.iter().take(MAX_NODES).zip(0..).flat_map(|(node, index)| {
+            node.transmit
+                .iter()
+                .zip(0..)
+                .map(move |(pdo, at)| (key(node.bus, pdo.cob_id), index, at))
+        });
+        let mut lookup_len = 0;
+        for (place, input) in lookup.iter_mut().zip(inputs) {
+            *place = input;
+            lookup_len += 1;
+        }
+        if let Some(used) = lookup.get_mut(..lookup_len) {
+            sort(used);
+        }
+        Self {
+            table,
+            nodes: [NodeState::NEW; MAX_NODES],
+            lookup,
+            lookup_len,
+            state: State::Off,
+            entered: 0,
+            faults: Faults::default(),
+            failed_step: None,
+            request: None,
+            plan_ready: false,
+            finished: false,
+            next_sync: 0,
+            last_sync: 0,
+            started: false,
+            next_heartbeat: 0,
+            jitter: Jitter::default(),
+            counters: Counters::default(),
+            taken: false,
+            commanded: false,
+            silent: 0,
+            measurement: Measurement::default(),
+            rotation: Rotation::IDENTITY,
+            axis_position: [0.0; MAX_AXES],
+            heading: None,
+            target: 0.0,
+            applied: [0.0; MAX_AXES],
+            counts: [0; MAX_AXES],
+            sent: [None; MAX_COMMANDS],
+            event_budget: 1,
+            axis_known: 0,
+            plane: [0.0; 2],
+        }
+    }
+
+    /// Takes a frame that was received on a bus.
+    pub fn receive(&mut self, bus: usize, frame: &Frame, now: u64) {
+        self.counters.received = self.counters.received.saturating_add(1);
+        let Some(id) = frame.standard_id().filter(|_| !frame.is_remote()) else {
+            self.counters.malformed = self.counters.malformed.saturating_add(1);
+            return;
+        };
+        let node = |id| self.node_index(bus, id);
+        match Function::of(id) {
+            Function::SdoResponse(id) if let Some(index) = node(id) => {
+                self.sdo_answer(index, frame, now)
+            }
+            Function::Heartbeat(id) if let Some(index) = node(id) => {
+                self.heartbeat(index, frame, now)
+            }
+            Function::Emergency(id) if let Some(index) = node(id) => {
+                self.emergency(index, frame, now)
+            }
+            _ => match self.find_input(bus, id) {
+                Some((index, pdo)) => self.input(index, pdo, frame, now),
+                None if self.is_operators(bus, id) => {}
+                None if self.is_ours(bus, id) => {
+                    self.raise(Fault::ForeignMaster, None, now, id.into())
+                }
+                None => self.counters.unknown = self.counters.unknown.saturating_add(1),
+            },
+        }
+        self.step(now);
+    }
+
+    /// Sends what is due. Call it after each received frame and at [`Self::next_wake`].
+    pub fn poll(&mut self, now: u64, out: &mut dyn FnMut(usize, Frame)) {
+        if !self.started {
+            self.started = true;
+            self.next_sync = now;
+            self.next_heartbeat = now;
+        }
+        self.boot(now, out);
+        self.heartbeats(now, out);
+        if now >= self.next_sync {
+            self.begin_cycle(now, out);
+        }
+        self.step(now);
+        self.send_events(out);
+    }
+
+    /// When [`Self::poll`] has something to do at the latest, µs.
+    #[must_use]
+    pub fn next_wake(&self) -> u64 {
+        let sdo = self.nodes.iter().filter_map(|node| match node.phase {
+            node::Phase::Asked { due, .. } | node::Phase::Booting(due) => {
+                Some(due.saturating_add(1))
+            }
+            _ => None,
+        });
+        let window = u64::from(self.table.timing.input_window_us);
+        let inputs = (!self.taken).then(|| self.last_sync.saturating_add(window));
+        sdo.chain(inputs).chain([self.next_heartbeat]).fold(self.next_sync, u64::min)
+    }
+
+    /// Asks for something. Whether the state changed: what it does not allow is ignored.
+    pub fn request(&mut self, request: Request, now: u64) -> bool {
+        let before = self.state;
+        if request == Request::EmergencyStop {
+            self.raise(Fault::EmergencyStop, None, now, 0);
+        }
+        self.request = Some(request);
+        self.step(now);
+        self.state != before
+    }
+
+    /// Reports a fault that the master cannot see: the bus is off, the process ends, the operator's link
+    /// is gone.
+    pub fn report(&mut self, fault: Fault, now: u64) {
+        self.raise(fault, None, now, 0);
+        self.step(now);
+    }
+
+    /// Says whether there is a plan that begins where the robot is, and whether the one that is followed
+    /// is finished.
+    pub fn plan(&mut self, ready: bool, finished: bool) {
+        self.plan_ready = ready;
+        self.finished = finished;
+    }
+
+    /// The heading, rad, that [`State::Yawing`] turns to; one that is not finite is ignored.
+    pub fn aim(&mut self, heading: f32) {
+        if heading.is_finite() {
+            self.target = heading;
+        }
+    }
+
+    /// The tables.
+    #[must_use]
+    pub const fn table(&self) -> &'a DriveTable<'a> {
+        self.table
+    }
+
+    /// State of the safety logic.
+    #[must_use]
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// Faults since the last reset.
+    #[must_use]
+    pub const fn faults(&self) -> &Faults {
+        &self.faults
+    }
+
+    /// Node and step at which a set-up failed.
+    #[must_use]
+    pub const fn failed_step(&self) -> Option<(u8, u16)> {
+        self.failed_step
+    }
+
+    /// What happened on the buses.
+    #[must_use]
+    pub const fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// How late SYNC was.
+    #[must_use]
+    pub const fn jitter(&self) -> &Jitter {
+        &self.jitter
+    }
+
+    /// Statusword of a drive, by the index of its node.
+    #[must_use]
+    pub fn statusword(&self, node: usize) -> u16 {
+        self.nodes.get(node).map_or(0, |state| state.statusword)
+    }
+
+    /// Measured torque of a drive's motor, N·m, if it is mapped.
+    #[must_use]
+    pub fn motor_torque(&self, node: usize) -> f32 {
+        self.nodes.get(node).map_or(0.0, |state| state.torque)
+    }
+
+    /// The inputs of the last cycle: see [`Self::measure`].
+    #[must_use]
+    pub const fn measurement(&self) -> &Measurement {
+        &self.measurement
+    }
+
+    /// Counts of the torque object that each drive of an axis was last sent, before its sign.
+    #[must_use]
+    pub fn torque_counts(&self, axis: usize) -> i32 {
+        self.counts.get(axis).copied().unwrap_or(0)
+    }
+
+    /// State of the legs; `None` while unknown, and for a robot without.
+    #[must_use]
+    pub fn legs(&self) -> Option<LegsState> {
+        self.legs_node().and_then(|index| self.nodes.get(index)?.legs)
+    }
+
+    /// Whether a node is set up and alive.
+    #[must_use]
+    pub fn is_alive(&self, node: usize) -> bool {
+        self.nodes.get(node).is_some_and(NodeState::is_running)
+    }
+
+    fn legs_node(&self) -> Option<usize> {
+        self.table.nodes.iter().position(|node| node.role == Role::Legs)
+    }
+
+    fn node_index(&self, bus: usize, id: crate::NodeId) -> Option<usize> {
+        self.table.nodes.iter().position(|node| node.id == id && usize::from(node.bus) == bus)
+    }
+
+    fn find_input(&self, bus: usize, id: u16) -> Option<(usize, usize)> {
+        let used = self.lookup.get(..self.lookup_len)?;
+        let bus = u8::try_from(bus).ok().filter(|bus| usize::from(*bus) < MAX_BUSES)?;
+        let wanted = key(bus, id);
+        let at = used.binary_search_by_key(&wanted, |(key, ..)| *key).ok()?;
+        used.get(at).map(|(_, node, pdo)| (usize::from(*node), usize::from(*pdo)))
+    }
+
+    /// Whether the frame is one for [`crate::operator`].
+    fn is_operators(&self, bus: usize, id: u16) -> bool {
+        let operator = &self.table.operator;
+        id == operator.command && usize::from(operator.bus) == bus
+    }
+
+    /// Whether only the master sends this identifier.
+    fn is_ours(&self, bus: usize, id: u16) -> bool {
+        let command = |command: &crate::CommandTable<'_>| {
+            command.cob_id == id && usize::from(command.bus) == bus
+        };
+        let request = |node: &crate::NodeTable<'_>| {
+            node.id.sdo_request() == id && usize::from(node.bus) == bus
+        };
+        matches!(id, NMT | SYNC)
+            || id == self.table.operator.master.heartbeat()
+            || self.table.commands.iter().any(command)
+            || self.table.nodes.iter().any(request)
+    }
+
+    fn raise(&mut self, fault: Fault, node: Option<usize>, now: u64, detail: u32) {
+        let node = node.and_then(|node| u8::try_from(node).ok());
+        self.faults.add(FaultRecord { fault, node, at_us: now, detail });
+        if fault.prevents_balance() && node.is_none_or(|node| self.is_essential(node)) {
+            self.faults.prevent_balance();
+        }
+    }
+
+    /// Whether the robot falls without this node: a sensor of lean, or a drive that balances.
+    fn is_essential(&self, node: u8) -> bool {
+        let Some(table) = self.table.nodes.get(usize::from(node)) else { return true };
+        match (table.role, table.motor) {
+            (Role::Imu, _) => true,
+            (_, Some(motor)) => {
+                self.table.axes.get(usize::from(motor.axis)).is_none_or(|axis| axis.balances)
+            }
+            _ => false,
+        }
+    }
+
+    /// One step of the safety logic.
+    fn step(&mut self, now: u64) {
+        let inputs = self.safety_inputs(now);
+        let next = self.state.next(&inputs);
+        self.request = None;
+        if next == self.state {
+            return;
+        }
+        if next == State::Off {
+            self.faults.clear();
+            self.failed_step = None;
+            self.begin_reset();
+        }
+        if next == State::FaultLowering && !self.faults.any() {
+            self.raise(Fault::Deadline, None, now, self.state as u32);
+        }
+        if next == State::FaultDown && !self.faults.any() {
+            self.raise(
+                if inputs.late { Fault::Deadline } else { Fault::NotEnabled },
+                None,
+                now,
+                self.state as u32,
+            );
+        }
+        if next == State::Enabling {
+            self.begin_enabling();
+        }
+        if !next.permits_torque() {
+            self.zero();
+        }
+        self.state = next;
+        self.entered = now;
+        self.finished = false;
+    }
+
+    fn safety_inputs(&self, now: u64) -> Inputs {
+        let all = |test: &dyn Fn(usize, &NodeState) -> bool| {
+            (0..)
+                .zip(&self.nodes)
+                .take(self.table.nodes.len())
+                .all(|(index, node)| test(index, node))
+        };
+        let ready = all(&|index, node| {
+            let table = self.table.nodes.get(index);
+            table.is_some_and(|table| node.is_ready(table))
+        });
+        let enabled = all(&|index, node| {
+            let table = self.table.nodes.get(index);
+            table.is_none_or(|table| {
+                table.role != Role::Drive
+                    || node.drive_state() == crate::cia402::State::OperationEnabled
+                        && node.is_in_mode(table)
+            })
+        });
+        let legs = self.legs();
+        let absent = self.legs_node().is_none();
+        Inputs {
+            request: self.request,
+            ready,
+            enabled,
+            fault: self.faults.any(),
+            can_balance: !self.faults.prevents_balance(),
+            upright: self.is_upright(),
+            legs_down: absent || legs.is_some_and(LegsState::is_down),
+            legs_up: absent || legs.is_some_and(LegsState::is_up),
+            late: self
+                .deadline()
+                .is_some_and(|limit| now.saturating_sub(self.entered) > limit.into()),
+            finished: self.finished || self.state == State::Yawing && self.has_turned(),
+            plan_ready: self.plan_ready,
+        }
+    }
+
+    /// How long the state may last, µs.
+    fn deadline(&self) -> Option<u32> {
+        let safety = &self.table.safety;
+        match self.state {
+            State::Enabling => Some(self.table.timing.enable_timeout_us),
+            State::Rising => Some(safety.rise_timeout_us),
+            State::LegsLowering => Some(safety.lower_timeout_us),
+            State::FaultLowering => Some(safety.fault_deadline_us),
+            _ => None,
+        }
+    }
+}
+
+/// Insertion sort: nothing in it can panic.
+fn sort(inputs: &mut [(u16, u8, u8)]) {
+    for end in 1..=inputs.len() {
+        let mut at = end;
+        while at > 1 {
+            let Some([before, after]) = inputs.get_mut(at.saturating_sub(2)..at) else { break };
+            if before <= after {
+                break;
+            }
+            core::mem::swap(before, after);
+            at = at.saturating_sub(1);
+        }
+    }
+}
+
+const fn key(bus: u8, cob_id: u16) -> u16 {
+    (bus as u16) << 11 | (cob_id & 0x7FF)
+}
+
+/// The PDOs that come each cycle, a bit each.
+fn synchronous(pdos: &[Pdo]) -> u8 {
+    let bits = pdos.iter().zip(0..8).filter(|(pdo, _)| pdo.transmission == 1);
+    bits.fold(0, |mask, (_, bit)| mask | 1 << bit)
+}

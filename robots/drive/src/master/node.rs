@@ -1,0 +1,175 @@
+//! What the master knows of a node.
+
+use crate::cia402;
+use crate::legs::LegsState;
+use crate::sdo::{self, Answer};
+use crate::table::{NodeTable, Role, SdoStep};
+
+/// Set-up of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// To be reset.
+    New,
+    /// Reset, its boot-up message is awaited until this time.
+    Booting(u64),
+    /// Between two steps of the set-up.
+    Next(u16),
+    /// A step is asked, and answered at the latest at this time.
+    Asked { step: u16, due: u64, tries: u8 },
+    /// Operational.
+    Running,
+    /// Given up until a reset.
+    Failed,
+}
+
+/// What an answer means for the set-up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// Not the answer to our question.
+    Unrelated,
+    /// Go on.
+    Done,
+    /// The set-up fails; the code or the value found.
+    Failed(u32),
+}
+
+/// What the master knows of a node.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NodeState {
+    pub(super) phase: Phase,
+    /// When its last heartbeat came, µs.
+    pub(super) heard: u64,
+    /// Whether it was heard to be operational.
+    pub(super) operational: bool,
+    /// Whether a transmit PDO came since it was started.
+    pub(super) reported: bool,
+    /// Whether it was running at the last SYNC.
+    pub(super) synchronised: bool,
+    /// Transmit PDOs of this cycle, a bit each.
+    pub(super) received: u8,
+    /// Cycles in a row in which one was missing.
+    pub(super) missed: u8,
+    pub(super) statusword: u16,
+    pub(super) mode: i8,
+    pub(super) error_register: u8,
+    /// Fault reset is under way: cycles for which bit 7 may stay set.
+    pub(super) reset_cycles: u8,
+    pub(super) controlword: u16,
+    /// Position object, as it came.
+    pub(super) counts: Option<i64>,
+    /// Position, in the coordinate's unit.
+    pub(super) position: f64,
+    /// Where it was when drives were enabled.
+    pub(super) origin: f64,
+    /// Rate by the drive.
+    pub(super) velocity: Option<f32>,
+    pub(super) torque: f32,
+    /// Counter of a sensor's samples.
+    pub(super) sequence: Option<u8>,
+    /// Cycles in a row with the same sample.
+    pub(super) stale: u8,
+    pub(super) health: u8,
+    pub(super) legs: Option<LegsState>,
+}
+
+impl NodeState {
+    pub(super) const NEW: Self = Self {
+        phase: Phase::New,
+        heard: 0,
+        operational: false,
+        reported: false,
+        synchronised: false,
+        received: 0,
+        missed: 0,
+        statusword: 0,
+        mode: 0,
+        error_register: 0,
+        reset_cycles: 0,
+        controlword: 0,
+        counts: None,
+        position: 0.0,
+        origin: 0.0,
+        velocity: None,
+        torque: 0.0,
+        sequence: None,
+        stale: 0,
+        health: 0,
+        legs: None,
+    };
+
+    pub(super) const fn is_running(&self) -> bool {
+        matches!(self.phase, Phase::Running)
+    }
+
+    /// State of a drive; nonsense counts as a fault.
+    pub(super) fn drive_state(&self) -> cia402::State {
+        cia402::State::of(self.statusword).unwrap_or(cia402::State::Fault)
+    }
+
+    /// Whether a node is set up, alive and sound, and a drive can be enabled or is.
+    pub(super) fn is_ready(&self, table: &NodeTable<'_>) -> bool {
+        let heard = self.is_running() && self.missed == 0 && self.reported;
+        let sound = match table.role {
+            Role::Drive => {
+                let ready = matches!(
+                    self.drive_state(),
+                    cia402::State::ReadyToSwitchOn
+                        | cia402::State::SwitchedOn
+                        | cia402::State::OperationEnabled
+                );
+                ready && self.is_in_mode(table)
+            }
+            Role::Imu => self.sequence.is_some() && self.stale == 0 && self.health == 0,
+            Role::Encoder => self.health == 0,
+            Role::Legs => self.legs.is_some_and(|legs| !legs.is_faulty()),
+        };
+        heard && sound
+    }
+
+    pub(super) fn is_in_mode(&self, table: &NodeTable<'_>) -> bool {
+        table.motor.is_none_or(|motor| motor.mode == self.mode)
+    }
+
+    /// What an SDO answer means for the step that was asked.
+    pub(super) fn verdict(&self, table: &NodeTable<'_>, answer: Answer) -> Verdict {
+        let Phase::Asked { step, .. } = self.phase else {
+            return Verdict::Unrelated;
+        };
+        let Some(step) = table.setup.get(usize::from(step)) else {
+            return Verdict::Unrelated;
+        };
+        judge(step, answer)
+    }
+}
+
+fn judge(step: &SdoStep, answer: Answer) -> Verdict {
+    match (*step, answer) {
+        (SdoStep::Write { object, .. }, Answer::Written(found)) if found == object => Verdict::Done,
+        (
+            SdoStep::Expect { object, kind, mask, value },
+            Answer::Read { object: found, bytes, value: read },
+        ) if found == object => {
+            let length = bytes.is_none_or(|bytes| usize::from(bytes) == kind.bytes());
+            let width = match kind.bytes() {
+                1 => 0xFF,
+                2 => 0xFFFF,
+                _ => u32::MAX,
+            };
+            let differs = (read ^ value) & mask & width != 0;
+            if length && !differs { Verdict::Done } else { Verdict::Failed(read) }
+        }
+        (
+            SdoStep::Write { object, .. } | SdoStep::Expect { object, .. },
+            Answer::Aborted { object: found, code },
+        ) if found == object => Verdict::Failed(code),
+        _ => Verdict::Unrelated,
+    }
+}
+
+/// The request of a step.
+pub(super) fn request(table: &NodeTable<'_>, step: &SdoStep) -> crate::Frame {
+    match *step {
+        SdoStep::Write { object, kind, value } => sdo::download(table.id, object, kind, value),
+        SdoStep::Expect { object, .. } => sdo::upload(table.id, object),
+    }
+}

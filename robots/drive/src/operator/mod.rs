@@ -1,0 +1,224 @@
+//! Operator protocol: commands to the master and telemetry of it, on the bus or over a byte stream.
+//!
+//! **Commands** are frames of eight bytes on [`OperatorTable::command`](crate::OperatorTable):
+//!
+//! ```text
+//! byte 0   opcode            1   sequence       2 to 5   argument, little-endian
+//! bytes 6, 7   CRC-16 (CCITT) of bytes 0 to 5, followed by the drive's fingerprint as four bytes
+//! ```
+//!
+//! | opcode | command | argument |
+//! | --- | --- | --- |
+//! | 0x00 | hello: begins a session, its sequence is the first | fingerprint |
+//! | 0x01 to 0x04 | start, stop, e-stop, reset | 0 |
+//! | 0x05 to 0x08 | balance, keep station, track, yaw | 0 |
+//! | 0x09 | heading to turn to | f32, rad |
+//! | 0x10 | plan: begins an upload | length, bytes |
+//! | 0x11 | plan: is complete | CRC-32 of the file |
+//! | 0x12 | plan: forget the upload | 0 |
+//! | 0x40 to 0x7F | gain 0 to 63 | f32, within the bounds of the caller |
+//! | 0x80 to 0xFF | plan: seven bytes of the file; the low seven bits count them | (no CRC: the file has its own) |
+//!
+//! A command is taken if its checksum is right and its sequence is one to sixteen ahead of the last one
+//! taken. Stop and e-stop are taken with any sequence, and without a session.
+//!
+//! **Telemetry** is one frame of eight bytes each [`TELEMETRY_CYCLES`](crate::TELEMETRY_CYCLES) cycles,
+//! page after page: see [`Page`].
+//!
+//! **Over a byte stream** the same eight bytes go in records: see [`stream`].
+//!
+//! **What this does not protect against.** There is no secret: somebody who can listen can compute the
+//! checksum and the next sequence, and command the robot. What is refused is corruption, commands for
+//! another drive, and commands recorded earlier. Stop and e-stop can be replayed by anybody. A flood
+//! of commands costs the sender's share of the bus, each a bounded number of steps.
+
+pub mod command;
+mod plan;
+pub mod stream;
+mod telemetry;
+
+use crate::id::NodeId;
+use crate::master::Master;
+use crate::safety::Request;
+pub use command::Order;
+pub use plan::{PlanError, PlanStore};
+pub use telemetry::Page;
+
+/// Bounds of a gain that an operator may set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GainBounds {
+    /// Smallest value.
+    pub low: f32,
+    /// Largest value.
+    pub high: f32,
+}
+
+/// Why a command was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Refusal {
+    /// It was not.
+    #[default]
+    None = 0,
+    /// It has not eight bytes.
+    Length = 1,
+    /// Its checksum is wrong: corrupt, or for another drive.
+    Checksum = 2,
+    /// No such opcode.
+    Opcode = 3,
+    /// No session was begun.
+    NoSession = 4,
+    /// Its sequence is not ahead of the last one.
+    Sequence = 5,
+    /// The state does not allow it.
+    State = 6,
+    /// A gain that does not exist, or a value outside its bounds.
+    Bounds = 7,
+    /// The plan does not fit, is not complete, or is corrupt.
+    Plan = 8,
+}
+
+/// What a command changed that the caller has to act on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// A gain has a new value.
+    Gain {
+        /// Which.
+        index: u8,
+        /// Its value, within its bounds.
+        value: f32,
+    },
+    /// A plan was received whole: see [`PlanStore::swap`].
+    PlanReceived,
+}
+
+/// Sequences ahead of the last one that are taken.
+const AHEAD: u8 = 16;
+
+/// The operator's end in the robot.
+#[derive(Debug)]
+pub struct Operator<'b> {
+    fingerprint: u32,
+    /// Last sequence taken; `None` before hello.
+    sequence: Option<u8>,
+    refusal: Refusal,
+    gains: &'b [GainBounds],
+    plans: PlanStore<'b>,
+    page: u8,
+    due: u32,
+}
+
+impl<'b> Operator<'b> {
+    /// For a drive with this fingerprint.
+    #[must_use]
+    pub const fn new(fingerprint: u32, gains: &'b [GainBounds], plans: PlanStore<'b>) -> Self {
+        Self { fingerprint, sequence: None, refusal: Refusal::None, gains, plans, page: 0, due: 0 }
+    }
+
+    /// The plans that were uploaded.
+    #[must_use]
+    pub const fn plans(&mut self) -> &mut PlanStore<'b> {
+        &mut self.plans
+    }
+
+    /// Why the last command was refused.
+    #[must_use]
+    pub const fn refusal(&self) -> Refusal {
+        self.refusal
+    }
+
+    /// Last sequence that was taken.
+    #[must_use]
+    pub const fn sequence(&self) -> Option<u8> {
+        self.sequence
+    }
+
+    /// Takes the bytes of a command frame.
+    pub fn receive(&mut self, bytes: &[u8], master: &mut Master<'_>, now: u64) -> Option<Event> {
+        match self.take(bytes, master, now) {
+            Ok(event) => {
+                self.refusal = Refusal::None;
+                event
+            }
+            Err(refusal) => {
+                self.refusal = refusal;
+                None
+            }
+        }
+    }
+
+    fn take(
+        &mut self,
+        bytes: &[u8],
+        master: &mut Master<'_>,
+        now: u64,
+    ) -> Result<Option<Event>, Refusal> {
+        if let Some((index, data)) = command::chunk(bytes) {
+            self.sequence.ok_or(Refusal::NoSession)?;
+            return self.plans.chunk(index, data).map(|()| None).map_err(|_| Refusal::Plan);
+        }
+        let (order, sequence) = command::decode(bytes, self.fingerprint)?;
+        self.sequenced(order, sequence)?;
+        match order {
+            Order::Hello => Ok(None),
+            Order::Ask(request) => {
+                let changed = master.request(request, now);
+                let always = matches!(request, Request::EmergencyStop);
+                if changed || always { Ok(None) } else { Err(Refusal::State) }
+            }
+            Order::Heading(heading) if heading.is_finite() => {
+                master.aim(heading);
+                Ok(None)
+            }
+            Order::Heading(_) => Err(Refusal::Bounds),
+            Order::Gain(index, value) => self.gain(index, value),
+            Order::PlanBegin(length) => {
+                self.plans.begin(length).map(|()| None).map_err(|_| Refusal::Plan)
+            }
+            Order::PlanEnd(checksum) => match self.plans.end(checksum) {
+                Ok(()) => Ok(Some(Event::PlanReceived)),
+                Err(_) => Err(Refusal::Plan),
+            },
+            Order::PlanForget => {
+                self.plans.forget();
+                Ok(None)
+            }
+        }
+    }
+
+    /// Whether the sequence is ahead; stopping needs none.
+    fn sequenced(&mut self, order: Order, sequence: u8) -> Result<(), Refusal> {
+        match order {
+            Order::Hello => {
+                // A recorded hello must not reopen an old sequence: within a session it goes on.
+                if let Some(last) = self.sequence {
+                    ahead(last, sequence)?;
+                }
+            }
+            Order::Ask(Request::Stop | Request::EmergencyStop) => return Ok(()),
+            _ => ahead(self.sequence.ok_or(Refusal::NoSession)?, sequence)?,
+        }
+        self.sequence = Some(sequence);
+        Ok(())
+    }
+
+    fn gain(&self, index: u8, value: f32) -> Result<Option<Event>, Refusal> {
+        let bounds = self.gains.get(usize::from(index)).ok_or(Refusal::Bounds)?;
+        // Not a number is within no bounds.
+        if value >= bounds.low && value <= bounds.high {
+            Ok(Some(Event::Gain { index, value }))
+        } else {
+            Err(Refusal::Bounds)
+        }
+    }
+}
+
+fn ahead(last: u8, sequence: u8) -> Result<(), Refusal> {
+    let by = sequence.wrapping_sub(last);
+    if (1..=AHEAD).contains(&by) { Ok(()) } else { Err(Refusal::Sequence) }
+}
+
+/// Node-ID in telemetry for "no node".
+const NO_NODE: u8 = 0xFF;
+
+const _: () = assert!(NodeId::clamped(255).raw() < NO_NODE);

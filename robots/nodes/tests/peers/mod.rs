@@ -1,0 +1,32 @@
+//! Where the Python programs of `tests/peers/can` and their interpreter are.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+pub(crate) fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.ancestors().nth(2).unwrap_or(here).to_path_buf()
+}
+
+/// The interpreter with the packages, or a line that says that it is not there.
+pub(crate) fn python() -> Option<PathBuf> {
+    let python = root().join("target/venv/bin/python");
+    let check = Command::new(&python)
+        .args(["-c", "import can, canopen, cantools, serial"])
+        .stderr(Stdio::null())
+        .status();
+    if check.is_ok_and(|status| status.success()) {
+        return Some(python);
+    }
+    let required = std::env::var("SHAPEBOT_REQUIRE").unwrap_or_default();
+    let why = "Python's canopen is not in target/venv: run tests/peers/can/setup.sh";
+    let listed = |word: &str| matches!(word.trim(), "canopen" | "all");
+    assert!(!required.split(',').any(listed), "SHAPEBOT_REQUIRE wants `canopen`: {why}");
+    let _ = writeln!(std::io::stderr(), "skipped (canopen): {why}");
+    None
+}
+
+pub(crate) fn script(name: &str) -> PathBuf {
+    root().join("tests/peers/can").join(name)
+}

@@ -1,0 +1,186 @@
+//! Names of buses, as a user gives them.
+
+use crate::{Error, Wired};
+#[cfg(unix)]
+use shapebot_bus::Slcan;
+#[cfg(unix)]
+use shapebot_bus::serial::Serial;
+#[cfg(unix)]
+use shapebot_bus::slcan::Adapter;
+use shapebot_bus::{Bus, Recorded};
+use shapebot_drive_build::DriveDescription;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Baud rate of serial adapters; those on USB do not care.
+#[cfg(unix)]
+const BAUD: u32 = 115_200;
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Port {
+    /// A SocketCAN interface.
+    Interface(String),
+    /// A serial adapter that speaks slcan.
+    Serial(PathBuf),
+    /// A new pseudo-terminal.
+    Terminal,
+}
+
+/// Opens a port for a bus of a description.
+type Opener<'o> = dyn FnMut(&Port, &shapebot_drive_build::Bus) -> Result<Box<dyn Bus>, Error> + 'o;
+
+/// Which buses a drive is on: `virtual`, or for each bus of the drive a port: `vcan0`, `/dev/ttyACM0`,
+/// `/dev/pts/3`, for simulated nodes also `pty`, which makes a new pseudo-terminal. Several ports are
+/// separated by commas, in the order of the description or as `drive=vcan0,body=vcan1`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BusList {
+    /// None: virtual time.
+    ports: Option<Vec<Port>>,
+}
+
+impl BusList {
+    /// Reads a list for the buses of a drive.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Buses`] for names that the drive does not have, and for too few or too many ports.
+    pub fn parse(text: &str, description: &DriveDescription) -> Result<Self, Error> {
+        if text == "virtual" {
+            return Ok(Self { ports: None });
+        }
+        let names: Vec<&str> = description.buses.iter().map(|bus| bus.name.as_str()).collect();
+        let all = names.join(", ");
+        let mut ports: Vec<Option<Port>> = vec![None; names.len()];
+        for (place, item) in text.split(',').enumerate() {
+            let (index, port) = match item.split_once('=') {
+                Some((name, port)) => (names.iter().position(|known| *known == name), port),
+                None => (Some(place), item),
+            };
+            let slot = index
+                .and_then(|index| ports.get_mut(index))
+                .ok_or_else(|| Error::Buses(format!("`{item}`: the drive's buses are {all}")))?;
+            if port.is_empty() || slot.replace(port_of(port)).is_some() {
+                return Err(Error::Buses(format!("`{item}`: one port for each bus of {all}")));
+            }
+        }
+        let ports: Option<Vec<Port>> = ports.into_iter().collect();
+        let missing = || Error::Buses(format!("`{text}`: a port for each bus of {all} expected"));
+        Ok(Self { ports: Some(ports.ok_or_else(missing)?) })
+    }
+
+    /// Whether the buses are in this process and in virtual time.
+    #[must_use]
+    pub const fn is_virtual(&self) -> bool {
+        self.ports.is_none()
+    }
+
+    /// Opens the ports as the master does; frames are logged as candump does if there is a log.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Buses`] in virtual time; what opening says.
+    pub fn open<W>(&self, description: &DriveDescription, log: Option<&W>) -> Result<Wired, Error>
+    where
+        W: Write + Clone + 'static,
+    {
+        let mut open = |port: &Port, bus: &shapebot_drive_build::Bus| match port {
+            Port::Interface(name) => interface(name),
+            Port::Serial(path) => serial(path, bus.bit_rate),
+            Port::Terminal => Err(Error::Buses("`pty` is for simulated nodes".to_owned())),
+        };
+        self.all(description, log, &mut open)
+    }
+
+    /// Opens the ports for simulated nodes. Also gives the paths of pseudo-terminals that were made, to
+    /// be opened by a master.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::open`].
+    pub fn open_nodes<W>(
+        &self,
+        description: &DriveDescription,
+        log: Option<&W>,
+    ) -> Result<(Wired, Vec<String>), Error>
+    where
+        W: Write + Clone + 'static,
+    {
+        let mut paths = Vec::new();
+        let mut open = |port: &Port, _: &shapebot_drive_build::Bus| match port {
+            Port::Interface(name) => interface(name),
+            Port::Serial(path) => adapter(Some(path)).map(|(bus, _)| bus),
+            Port::Terminal => adapter(None).map(|(bus, path)| {
+                paths.push(path);
+                bus
+            }),
+        };
+        let wired = self.all(description, log, &mut open)?;
+        Ok((wired, paths))
+    }
+
+    fn all<W>(
+        &self,
+        description: &DriveDescription,
+        log: Option<&W>,
+        open: &mut Opener<'_>,
+    ) -> Result<Wired, Error>
+    where
+        W: Write + Clone + 'static,
+    {
+        let ports = self.ports.as_ref();
+        let ports = ports.ok_or_else(|| Error::Buses("virtual buses have no ports".to_owned()))?;
+        let mut buses: Vec<Box<dyn Bus>> = Vec::new();
+        for (port, bus) in ports.iter().zip(&description.buses) {
+            let opened = open(port, bus)?;
+            buses.push(match log {
+                Some(log) => Box::new(Recorded::new(opened, log.clone(), &bus.name)),
+                None => opened,
+            });
+        }
+        Ok(Wired::new(buses))
+    }
+}
+
+fn port_of(text: &str) -> Port {
+    match text {
+        "pty" => Port::Terminal,
+        path if path.starts_with('/') || path.starts_with('.') => Port::Serial(path.into()),
+        name => Port::Interface(name.to_owned()),
+    }
+}
+
+#[cfg(all(feature = "socketcan", target_os = "linux"))]
+fn interface(name: &str) -> Result<Box<dyn Bus>, Error> {
+    Ok(Box::new(shapebot_bus::SocketBus::open(name)?))
+}
+
+#[cfg(not(all(feature = "socketcan", target_os = "linux")))]
+fn interface(name: &str) -> Result<Box<dyn Bus>, Error> {
+    Err(Error::Buses(format!("`{name}`: built without SocketCAN (feature `socketcan`, on Linux)")))
+}
+
+#[cfg(unix)]
+fn serial(path: &std::path::Path, bit_rate: u32) -> Result<Box<dyn Bus>, Error> {
+    let port = Serial::open(path, BAUD)?;
+    Ok(Box::new(Slcan::open(port, &path.display().to_string(), bit_rate)?))
+}
+
+#[cfg(unix)]
+fn adapter(path: Option<&PathBuf>) -> Result<(Box<dyn Bus>, String), Error> {
+    let port = match path {
+        Some(path) => Serial::open(path, BAUD)?,
+        None => Serial::pseudo_terminal()?,
+    };
+    let place = port.path().to_owned();
+    Ok((Box::new(Adapter::new(port, &place)), place))
+}
+
+#[cfg(not(unix))]
+fn serial(path: &std::path::Path, _: u32) -> Result<Box<dyn Bus>, Error> {
+    Err(Error::Buses(format!("`{}`: serial ports are for Unix", path.display())))
+}
+
+#[cfg(not(unix))]
+fn adapter(_: Option<&PathBuf>) -> Result<(Box<dyn Bus>, String), Error> {
+    Err(Error::Buses("serial ports are for Unix".to_owned()))
+}

@@ -1,0 +1,28 @@
+//! A robot on a test rig: the [`Runtime`](shapebot_runtime::Runtime) on its buses, against real nodes or
+//! against simulated ones over a simulated plant.
+//!
+//! - [`Body`]: the plant of `shapebot-sim` with legs, as what the simulated motors and sensors are on.
+//! - [`Buses`]: the buses of a drive together; in virtual time ([`network`]) or real ([`Wired`]).
+//! - [`serve`] lets a runtime work on buses; [`run`] takes it through a whole task.
+//! - [`DriveSim`] is the other side in real time: simulated nodes on real or virtual interfaces.
+//! - [`campaign`] injects faults in every state, and judges what follows.
+#![forbid(unsafe_code)]
+
+mod body;
+mod bus_list;
+mod buses;
+pub mod campaign;
+mod drive_sim;
+mod error;
+mod serve;
+mod session;
+mod world;
+
+pub use body::{Body, Stance, Touchdown};
+pub use bus_list::BusList;
+pub use buses::{Buses, Wired};
+pub use drive_sim::DriveSim;
+pub use error::Error;
+pub use serve::serve;
+pub use session::{Cycle, Outcome, Script, Stage, run};
+pub use world::{World, log_to, network};
