@@ -16,13 +16,17 @@ pub type SizedRobot<const N: usize, const NX: usize, const NS: usize> =
 pub type System<const N: usize> = dyn LagrangianSystem<f64, N> + Sync;
 
 /// A [`System`] of any size.
-pub struct AnySystem(Box<dyn Any>);
+pub struct AnySystem {
+    /// A `Box<System<N>>`.
+    system: Box<dyn Any>,
+    name: &'static str,
+}
 
 impl AnySystem {
     /// Hides the number of coordinates.
     #[must_use]
     pub fn new<const N: usize>(system: Box<System<N>>) -> Self {
-        Self(Box::new(system))
+        Self { name: system.description().name, system: Box::new(system) }
     }
 
     /// The system, if it has N coordinates.
@@ -31,8 +35,8 @@ impl AnySystem {
     ///
     /// Another number of coordinates.
     pub fn of<const N: usize>(self) -> Result<Box<System<N>>, Refusal> {
-        let system = self.0.downcast::<Box<System<N>>>();
-        let other = |_| Refusal::task(format!("the plant's model does not have {N} coordinates"));
+        let system = self.system.downcast::<Box<System<N>>>();
+        let other = |_| Refusal::task(format!("`{}` has no {N} coordinates", self.name));
         system.map(|system| *system).map_err(other)
     }
 }

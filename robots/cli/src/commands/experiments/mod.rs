@@ -1,6 +1,7 @@
 //! `shapebot experiments`: all bundled experiments by both planners, in parallel.
 
 pub(crate) mod report;
+mod standing;
 mod table;
 
 use super::plan::task;
@@ -12,6 +13,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use report::Pages;
 use shapebot_experiments::Experiment;
+use shapebot_report::Table;
 use shapebot_tasks::simulation::Law;
 use shapebot_tasks::{Method, TASKS, Task};
 use std::io::Write;
@@ -32,9 +34,7 @@ pub(crate) struct Finished {
 /// Simulates all experiments and writes the report.
 pub(crate) fn run(folder: &Path) -> Outcome {
     let finished = simulated()?;
-    let mut pages = Pages::default();
-    pages.add_table(table::report(&finished));
-    finish(folder, &finished, pages)
+    finish(folder, &finished, None)
 }
 
 /// Plans Table II and simulates all experiments.
@@ -42,13 +42,16 @@ pub(crate) fn everything(folder: &Path) -> Outcome {
     let planning = table_two::run(folder)?;
     writeln!(anstream::stdout().lock())?;
     let finished = simulated()?;
-    let mut pages = Pages::default();
-    pages.add_table(table::report(&finished));
-    pages.add_table(planning);
-    finish(folder, &finished, pages)
+    finish(folder, &finished, Some(planning))
 }
 
-fn finish(folder: &Path, finished: &[Finished], mut pages: Pages) -> Outcome {
+/// Tries what the robots stand, writes the report, and prints.
+fn finish(folder: &Path, finished: &[Finished], planning: Option<Table>) -> Outcome {
+    let standing = standing::try_all(finished)?;
+    let mut pages = Pages::default();
+    pages.add_table(table::report(finished));
+    planning.into_iter().for_each(|table| pages.add_table(table));
+    pages.add_table(standing::report(&standing));
     for done in finished {
         let (source, _) = task(done.name)?;
         if !pages.has_robot(done.experiment.description.name) {
@@ -60,6 +63,8 @@ fn finish(folder: &Path, finished: &[Finished], mut pages: Pages) -> Outcome {
     pages.write(&path)?;
     let mut stdout = anstream::stdout().lock();
     table::write(&mut stdout, finished)?;
+    writeln!(stdout)?;
+    standing::write(&mut stdout, &standing)?;
     Ok(writeln!(stdout, "\nreport: {}", path.display())?)
 }
 
