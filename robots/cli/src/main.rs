@@ -3,6 +3,7 @@
 
 mod args;
 mod commands;
+mod drive;
 mod failure;
 mod output;
 mod plot;
@@ -27,6 +28,8 @@ fn run(cli: &Cli) -> Outcome {
         Some(Command::Simulate(args)) => commands::simulate::run(args),
         Some(Command::Experiments(args)) => commands::experiments::run(&args.output),
         Some(Command::Robustness(args)) => commands::robustness::run(args),
+        Some(Command::Monitor(args)) => commands::operator::monitor(args),
+        Some(Command::Command(args)) => commands::operator::command(args),
         Some(Command::Robots) => commands::robots::run(),
         Some(Command::Check(args)) => commands::check::run(args),
         Some(Command::Derive(args)) => commands::derive::run(args),

@@ -70,6 +70,44 @@ impl<B: Bus> Link for BusLink<B> {
     }
 }
 
+impl BusLink<Box<dyn Bus>> {
+    /// On a port: a SocketCAN interface such as `can0`, or the path of a serial adapter that speaks slcan
+    /// at this bit rate.
+    ///
+    /// # Errors
+    ///
+    /// A port that cannot be opened.
+    pub fn open(port: &str, bit_rate: u32, table: OperatorTable) -> Result<Self, Error> {
+        let serial = port.starts_with('/') || port.starts_with('.');
+        Ok(Self::new(if serial { adapter(port, bit_rate)? } else { interface(port)? }, table))
+    }
+}
+
+/// Baud rate of serial adapters; those on USB do not care.
+#[cfg(unix)]
+const BAUD: u32 = 115_200;
+
+#[cfg(unix)]
+fn adapter(path: &str, bit_rate: u32) -> Result<Box<dyn Bus>, Error> {
+    let port = shapebot_bus::serial::Serial::open(std::path::Path::new(path), BAUD)?;
+    Ok(Box::new(shapebot_bus::Slcan::open(port, path, bit_rate)?))
+}
+
+#[cfg(not(unix))]
+fn adapter(path: &str, _: u32) -> Result<Box<dyn Bus>, Error> {
+    Err(Error::Port(path.to_owned(), "serial ports are for Unix"))
+}
+
+#[cfg(all(feature = "socketcan", target_os = "linux"))]
+fn interface(name: &str) -> Result<Box<dyn Bus>, Error> {
+    Ok(Box::new(shapebot_bus::SocketBus::open(name)?))
+}
+
+#[cfg(not(all(feature = "socketcan", target_os = "linux")))]
+fn interface(name: &str) -> Result<Box<dyn Bus>, Error> {
+    Err(Error::Port(name.to_owned(), "built without SocketCAN, which Linux has"))
+}
+
 /// Records of a local socket.
 #[cfg(unix)]
 #[derive(Debug)]

@@ -66,6 +66,10 @@ pub(crate) enum Command {
     Table(FolderArgs),
     /// Verifies a plan file, and converts it
     Inspect(InspectArgs),
+    /// Shows the telemetry of a running robot
+    Monitor(MonitorArgs),
+    /// Gives a running robot an order
+    Command(CommandArgs),
     /// Evaluates dynamics: JSON lines in, JSON lines out
     Eval(EvalArgs),
     /// Explains a diagnostic code, or lists all of them
@@ -73,10 +77,13 @@ pub(crate) enum Command {
 }
 
 mod closed_loop;
+mod operator;
 
 pub(crate) use closed_loop::{
     FolderArgs, MergeArgs, RobustnessArgs, RobustnessCommand, SimulateArgs,
 };
+
+pub(crate) use operator::{CommandArgs, LinkArgs, MonitorArgs, OrderArgs};
 
 const ROBOT_HELP: &str = "Model file, or name of a bundled robot";
 

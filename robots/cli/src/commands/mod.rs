@@ -7,6 +7,7 @@ pub(crate) mod eval;
 pub(crate) mod experiments;
 pub(crate) mod explain;
 pub(crate) mod inspect;
+pub(crate) mod operator;
 pub(crate) mod plan;
 pub(crate) mod robots;
 pub(crate) mod robustness;

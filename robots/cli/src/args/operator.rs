@@ -1,0 +1,101 @@
+//! What the user may type as a robot's operator.
+
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+
+/// Where the robot is listened to and spoken to.
+#[derive(Args, Debug)]
+pub(crate) struct LinkArgs {
+    /// Drive description (TOML), or name of a bundled drive
+    #[arg(value_name = "DRIVE")]
+    pub(crate) drive: String,
+
+    /// Port of the operator's bus: can0, or the path of a serial adapter that speaks slcan
+    #[arg(long, value_name = "PORT", required_unless_present = "socket")]
+    pub(crate) bus: Option<String>,
+
+    /// Socket of a robot on this computer
+    #[arg(long, value_name = "PATH", conflicts_with = "bus")]
+    pub(crate) socket: Option<PathBuf>,
+}
+
+const MONITOR_EXAMPLES: &str = "\
+Redraws a page in a terminal, else writes a line each second.
+
+Examples:
+  shapebot monitor ballbot3d --socket robot.sock
+  shapebot monitor my_drive.toml --bus can0 --for 10";
+
+#[derive(Args, Debug)]
+#[command(after_help = MONITOR_EXAMPLES)]
+pub(crate) struct MonitorArgs {
+    #[command(flatten)]
+    pub(crate) link: LinkArgs,
+
+    /// Ends after so many seconds
+    #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) time: Option<f64>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let time: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    if (0.0..=1e9).contains(&time) { Ok(time) } else { Err("expected 0 or more".to_owned()) }
+}
+
+const COMMAND_EXAMPLES: &str = "\
+Waits until the robot has taken the command; exit code 1 if it refused.
+
+Examples:
+  shapebot command ballbot3d --socket robot.sock start
+  shapebot command ballbot3d --socket robot.sock upload plans/walk.plan
+  shapebot command my_drive.toml --bus can0 e-stop";
+
+#[derive(Args, Debug)]
+#[command(after_help = COMMAND_EXAMPLES)]
+pub(crate) struct CommandArgs {
+    #[command(flatten)]
+    pub(crate) link: LinkArgs,
+
+    #[command(subcommand)]
+    pub(crate) order: OrderArgs,
+}
+
+#[derive(Clone, Debug, PartialEq, Subcommand)]
+pub(crate) enum OrderArgs {
+    /// Enable the drives, rise and balance
+    Start,
+    /// Lower the legs while balancing, then torque off
+    Stop,
+    /// Legs down and torque off at once
+    #[command(name = "e-stop")]
+    EStop,
+    /// Leave the state after a fault
+    Reset,
+    /// Balance; the position is free
+    Balance,
+    /// Hold the position
+    KeepStation,
+    /// Follow the plan
+    Track,
+    /// Turn to the heading
+    Yaw,
+    /// Sets the heading to turn to
+    Heading {
+        /// Degrees
+        #[arg(allow_hyphen_values = true)]
+        degrees: f32,
+    },
+    /// Sets a gain within its bounds
+    Gain {
+        /// Its number
+        index: u8,
+        /// Its value
+        #[arg(allow_hyphen_values = true)]
+        value: f32,
+    },
+    /// Sends a plan file, to be followed at the next `track`
+    Upload {
+        /// Binary plan file
+        file: PathBuf,
+    },
+}
