@@ -153,7 +153,7 @@ fn a_motion_is_followed() {
 }
 
 /// How far a robot may go until its unit's errors are found, m.
-const MOVED: f64 = 0.1;
+const MOVED: f64 = 0.07;
 
 struct FindsGyroBias;
 

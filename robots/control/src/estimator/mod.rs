@@ -29,8 +29,9 @@ pub struct Settings<T: Ordered, const N: usize> {
     /// over the robot's time τ (τ² = |∂Γ/∂q̈_s K⁺|, K⁺ the inverse of K⁰_qs); [`Settings::encoder_rate`]
     /// where that is less.
     pub position_rate: T,
-    /// Rate at which encoders correct what the inertial unit integrates, 1/s: lower trusts the gyro
-    /// longer.
+    /// Rate at which encoders correct what the inertial unit integrates, 1/s: all four poles of the
+    /// error of path, velocity, lean and gyro bias. Lower trusts the gyro longer, higher finds its bias
+    /// sooner; the path is kinematics alone, whatever masses and friction are.
     pub tilt_rate: T,
     /// Gravity, m/s².
     pub gravity: T,
@@ -54,7 +55,7 @@ impl<T: Ordered, const N: usize> Settings<T, N> {
             resolution: SVector::from_element(c(1.0 / 65536.0)),
             encoder_rate: c(150.0),
             position_rate: c(13.0),
-            tilt_rate: c(0.6),
+            tilt_rate: c(3.0),
             gravity: c(9.81),
             mounting: SMatrix::identity(),
             point: 0,
@@ -126,7 +127,8 @@ where
     R: Robot<T, N, NX, NS>,
     T: Ordered,
 {
-    /// An estimator for a robot that stands at `start` when it takes its first reading.
+    /// An estimator for a robot that stands at `start` when it takes its first reading, which tells its
+    /// lean more exactly.
     ///
     /// # Errors
     ///
