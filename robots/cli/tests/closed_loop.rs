@@ -58,6 +58,9 @@ fn settings_change_the_run_and_only_that_run() {
     assert!(error(&["delay=6 ms"]) <= 0.002);
     assert!(error(&["plant.m_b=84.36"]) <= 0.02);
     assert_eq!(error(&["seed=3"]), nominal, "a seed without noise is nothing");
+    let noise = "noise={lean=\"0.05 deg\",rate=\"0.3 deg/s\",counts=4096}";
+    let (told, estimated) = (error(&[noise]), error(&[noise, "estimator=true"]));
+    assert!(told <= 0.002 && estimated <= 0.006 && told != estimated, "{told} {estimated}");
 }
 
 #[test]
@@ -83,6 +86,7 @@ fn wrong_simulations_are_refused_at_their_key() {
     refused("observe=true", "did you mean `observer`?");
     refused("observer", "is not KEY=VALUE");
     refused("observer=2", "`observer`: expected true or false");
+    refused("estimator=2", "`estimator`: expected true or false");
     refused("delay=6", "`delay`");
     refused("delay=-6 ms", "a time cannot be negative");
     refused("drive.coulomb=2 N", "expected N*m, found N");

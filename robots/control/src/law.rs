@@ -55,7 +55,11 @@ where
             + gains.velocity.component_mul(&velocity_error));
         let wanted = self.compensation_gain * acceleration;
         let step = gains.compensation_slew * gains.period;
-        let slewed = memory.compensation + clamp_all(&(wanted - memory.compensation), &step);
+        // In this order, so that what is within its limits stays the same to the bit.
+        let slewed = SVector::from_fn(|i, _| {
+            let last = memory.compensation[i];
+            clamp(wanted[i], last - step[i], last + step[i])
+        });
         let clipped = clamp_all(&slewed, &gains.compensation_limit);
         let compensation = self.within_range(&clipped, &target.shape[0]);
         let trim =
@@ -108,7 +112,8 @@ where
         let inertia: SMatrix<T, NX, NX> = motion.mass_matrix.fixed_view::<NX, NX>(0, 0).into();
         let (planned, _) = R::split(&target.force);
         let force = inertia * acceleration + planned - memory.momentum.disturbance;
-        SVector::from_fn(|i, _| if i < NX { force[i] } else { T::zero() })
+        let driven = |i: usize| i < NX && self.plant.actuator[i] < N;
+        SVector::from_fn(|i, _| if driven(i) { force[i] } else { T::zero() })
     }
 
     /// Adds the forces on servoed shape variables by computed torque: with the forces on the position

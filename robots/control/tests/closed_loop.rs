@@ -26,6 +26,7 @@ impl Check for Tracks {
         let run = run(robot, robot, &gains, &plan, rest(), &World::default());
         assert!(run.rmse <= 1e-3 && run.rmse > 0.0, "{name}: {run:?}");
         assert!(run.compensation.to_degrees() <= 0.05, "{name}: {run:?}");
+        assert_eq!(run.limited, 0, "{name}: at a limit");
     }
 }
 

@@ -70,6 +70,8 @@ struct Outcome<const N: usize, const NS: usize> {
     last: Estimate<f64, N, NS>,
     /// Error of the plan at the end, any coordinate of q_x.
     end: f64,
+    /// The largest such error of the output, m.
+    largest: f64,
 }
 
 /// Follows a plan; the controller gets the truth, or the estimate.
@@ -91,7 +93,11 @@ where
     let suite = Suite { robot, frame, settings, faults };
     let mut state = rest();
     let mut reading = suite.read(&state, &state);
-    let (mut angle, mut rate, mut end) = (0.0_f64, 0.0_f64, 0.0);
+    let (mut angle, mut rate, mut end, mut largest) = (0.0_f64, 0.0_f64, 0.0, 0.0_f64);
+    let output = |q: &SVector<f64, N>| {
+        let (qx, qs) = R::split(q);
+        robot.output(&qx, &qs)
+    };
     let mut last = estimator.step(&reading, &SVector::zeros());
     for (step, target) in plan.iter().enumerate() {
         let command = controller.step(if trusting { &last.state } else { &state }, target);
@@ -108,8 +114,10 @@ where
             rate = rate.max((last.state.qd - state.qd).abs().max());
         }
         end = (R::split(&state.q).0 - target.position[0]).abs().max();
+        let wanted = robot.output(&target.position[0], &target.shape[0]);
+        largest = largest.max((output(&state.q) - wanted).abs().max());
     }
-    Outcome { angle, rate, last, end }
+    Outcome { angle, rate, last, end, largest }
 }
 
 struct Follows;
@@ -144,11 +152,8 @@ fn a_motion_is_followed() {
     every::<Follows>();
 }
 
-/// Whether the loop has margin enough to stay in place until the estimator has found what is wrong with
-/// its unit.
-fn keeps_its_place(design: &ControlDesign) -> bool {
-    design.figures.delay_margin > 0.03
-}
+/// How far a robot may go until its unit's errors are found, m.
+const MOVED: f64 = 0.07;
 
 struct FindsGyroBias;
 
@@ -174,9 +179,8 @@ impl Check for FindsGyroBias {
         if NX > 1 {
             assert!((found[0] - bias).abs() < 0.02 * bias, "{name}: {found}");
         }
-        if keeps_its_place(design) {
-            assert!(outcome.end < 0.05, "{name}: {}", outcome.end);
-        }
+        assert!(outcome.end < 0.001, "{name}: {}", outcome.end);
+        assert!(outcome.largest < MOVED, "{name}: {}", outcome.largest);
     }
 }
 
@@ -196,7 +200,7 @@ impl Check for FindsOffset {
     ) where
         R: Robot<f64, N, NX, NS>,
     {
-        if !balances(robot) || !keeps_its_place(design) {
+        if !balances(robot) {
             return;
         }
         let tilt = 0.5_f64.to_radians();
@@ -209,6 +213,7 @@ impl Check for FindsOffset {
         let measured = outcome.last.state.q[lean];
         assert!((measured - found).abs() < 0.02 * tilt, "{name}: {measured} less {found}");
         assert!(outcome.end < 0.01, "{name}: {}", outcome.end);
+        assert!(outcome.largest < MOVED, "{name}: {}", outcome.largest);
     }
 }
 

@@ -11,7 +11,8 @@ use shapebot_planner::value::RobotId;
 use shapebot_planning::{PlannedMotion, Refusal};
 use shapebot_report::Recorder;
 use shapebot_sim::{
-    Lqr, LqrWeights, RateFilter, Run, Scale, Scenario, Table, Timing, Tracker, World, simulate,
+    Estimated, Lqr, LqrWeights, RateFilter, Run, Scale, Scenario, Table, Timing, Tracker, World,
+    simulate,
 };
 use shapebot_tasks::simulation::Law;
 use shapebot_tasks::{Said, Task};
@@ -104,6 +105,11 @@ impl<'a, const N: usize, const NX: usize, const NS: usize> Loops<'a, N, NX, NS> 
             ..Timing::default()
         };
         let world = World { system: plant, map: model, scenario, timing };
+        if self.task.simulation.estimator {
+            let sensors = &scenario.sensors;
+            let mut estimated = Estimated::new(model, tracker, sensors, period)?;
+            return Ok(simulate(&world, &self.reference, &mut estimated)?);
+        }
         if scenario.sensors.position_step > 0.0 {
             let bandwidth = RATE_BANDWIDTH / self.scale.time;
             let mut filtered = RateFilter::new(&model, tracker, period, bandwidth);

@@ -5,7 +5,8 @@
 //!   than the controller's model, or be a model with more terms.
 //! - [`Scenario`] says what differs from the nominal case, [`Sensors`] what the controller is told.
 //! - [`simulate`] closes the loop around a [`Tracker`]: the controller of `shapebot-control`, or the
-//!   [`Lqr`] regulator that it is compared with. Control period and plant step are separate.
+//!   [`Lqr`] regulator that it is compared with. Control period and plant step are separate. A tracker
+//!   is told states, or, as [`Estimated`], counts and readings of an inertial unit.
 //! - [`draw`] makes random scenarios that fit the robot's size; draw i is reproducible by itself.
 //!   [`onset`] finds where falls begin.
 //!
@@ -40,6 +41,7 @@
 #![forbid(unsafe_code)]
 
 mod error;
+mod estimated;
 mod floor;
 mod friction;
 pub mod lqr;
@@ -47,6 +49,7 @@ mod onset;
 mod plant;
 mod random;
 mod rate_filter;
+mod raw;
 mod record;
 mod reference;
 mod scale;
@@ -55,6 +58,7 @@ mod sensors;
 mod simulate;
 
 pub use error::Error;
+pub use estimated::Estimated;
 pub use floor::{Floor, Weights};
 pub use friction::Friction;
 pub use lqr::{Lqr, LqrWeights};
@@ -62,6 +66,7 @@ pub use onset::{Onset, onset};
 pub use plant::Plant;
 pub use random::{Draw, Ranges, draw};
 pub use rate_filter::RateFilter;
+pub use raw::Unit;
 pub use record::{Errors, Fall, Run, Sample};
 pub use reference::{Moment, Reference, Table};
 pub use scale::Scale;

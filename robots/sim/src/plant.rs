@@ -126,6 +126,11 @@ impl<'a, const N: usize, const NX: usize, const NS: usize> Plant<'a, N, NX, NS> 
         })
     }
 
+    /// Angles by which the floor rises under a configuration, rad.
+    pub(crate) fn floor_angles(&self, q: &SVector<f64, N>) -> [f64; 2] {
+        self.scenario.floor.angles(self.output(q).as_slice())
+    }
+
     /// What an inertial unit adds to the coordinates, because it measures against gravity.
     pub(crate) fn lean_offset(&self, q: &SVector<f64, N>) -> SVector<f64, N> {
         if self.scenario.floor.is_level() {

@@ -1,11 +1,13 @@
 //! The loop: plant → sensors → controller → actuators → plant.
 
 use crate::error::at_least;
+use crate::raw::{RawSensors, Unit};
 use crate::record::Tally;
 use crate::reference::{Moment, Reference};
 use crate::sensors::SensorSuite;
 use crate::{Error, Fall, Plant, Run, Sample, Scenario};
 use nalgebra::SVector;
+use shapebot_control::estimator::Reading;
 use shapebot_control::{Command, Controller, State};
 use shapebot_dynamics::{LagrangianSystem, Robot, Role, ShapeAccelerated};
 use std::collections::VecDeque;
@@ -18,6 +20,26 @@ pub trait Tracker<const N: usize, const NX: usize, const NS: usize> {
         state: &State<f64, N>,
         moment: &Moment<N, NX, NS>,
     ) -> Command<f64, N, NX, NS>;
+
+    /// The inertial unit whose readings it wants instead of states; none for states.
+    fn unit(&self) -> Option<Unit<N>> {
+        None
+    }
+
+    /// Takes a reading of that unit, once per control period; what it makes of it is what
+    /// [`Tracker::step`] is given.
+    fn estimate(&mut self, _: &Reading<f64, N>, moment: &Moment<N, NX, NS>) -> State<f64, N> {
+        let join =
+            |order: usize| joined(&moment.target.position[order], &moment.target.shape[order]);
+        State { q: join(0), qd: join(1) }
+    }
+}
+
+fn joined<const N: usize, const NX: usize, const NS: usize>(
+    position: &SVector<f64, NX>,
+    shape: &SVector<f64, NS>,
+) -> SVector<f64, N> {
+    SVector::from_fn(|i, _| if i < NX { position[i] } else { shape[i - NX] })
 }
 
 impl<R, const N: usize, const NX: usize, const NS: usize> Tracker<N, NX, NS>
@@ -89,6 +111,7 @@ pub fn simulate<const N: usize, const NX: usize, const NS: usize>(
     let description = system.description();
     let mut course = Loop {
         sensors: SensorSuite::new(scenario.sensors, description, timing.period, scenario.seed),
+        raw: RawSensors::new(scenario.sensors, timing.period, scenario.seed),
         drives: Drives::new(&timing, scenario.actuation_delay),
         plant,
         timing,
@@ -103,21 +126,19 @@ fn start<const N: usize, const NX: usize, const NS: usize>(
     scenario: &Scenario<NX, NS>,
     first: &Moment<N, NX, NS>,
 ) -> State<f64, N> {
-    let join = |x: &SVector<f64, NX>, s: &SVector<f64, NS>| {
-        SVector::from_fn(|i, _| if i < NX { x[i] } else { s[i - NX] })
-    };
     let target = &first.target;
     let (qx, qs) = (target.position[0] + scenario.start_position, target.shape[0]);
     // A lean moves the output, which is to stay: h is affine in q_x.
     let leaning = qs + scenario.start_shape;
-    let moved = plant.output(&join(&qx, &leaning)) - plant.output(&join(&qx, &qs));
+    let moved = plant.output(&joined(&qx, &leaning)) - plant.output(&joined(&qx, &qs));
     let qx = qx - plant.coordinates_per_output() * moved;
-    State { q: join(&qx, &leaning), qd: join(&target.position[1], &target.shape[1]) }
+    State { q: joined(&qx, &leaning), qd: joined(&target.position[1], &target.shape[1]) }
 }
 
 struct Loop<'a, const N: usize, const NX: usize, const NS: usize> {
     plant: Plant<'a, N, NX, NS>,
     sensors: SensorSuite<N, NS>,
+    raw: RawSensors<N, NS>,
     drives: Drives<N>,
     timing: Timing,
     state: State<f64, N>,
@@ -137,8 +158,8 @@ impl<const N: usize, const NX: usize, const NS: usize> Loop<'_, N, NX, NS> {
             let time = k as f64 * period;
             fell = self.fall(time);
             let moment = reference.at(time);
-            let reading = self.sensors.read(&self.state, &self.plant.lean_offset(&self.state.q));
-            let command = tracker.step(&reading, &moment);
+            let told = self.told(tracker, &moment);
+            let command = tracker.step(&told, &moment);
             let actual = self.plant.output(&self.state.q);
             tally.add(&moment, &actual, &command, k <= motion_steps);
             let recorded = record_every > 0 && k % record_every == 0;
@@ -152,6 +173,21 @@ impl<const N: usize, const NX: usize, const NS: usize> Loop<'_, N, NX, NS> {
             self.advance(time);
         }
         Run { samples, fell, errors: tally.errors() }
+    }
+
+    /// What the tracker is told of the state.
+    fn told(
+        &mut self,
+        tracker: &mut dyn Tracker<N, NX, NS>,
+        moment: &Moment<N, NX, NS>,
+    ) -> State<f64, N> {
+        match tracker.unit() {
+            Some(unit) => {
+                let reading = self.raw.read(&self.plant, &unit, &self.state);
+                tracker.estimate(&reading, moment)
+            }
+            None => self.sensors.read(&self.state, &self.plant.lean_offset(&self.state.q)),
+        }
     }
 
     /// One control period of the plant.

@@ -9,7 +9,7 @@ use toml::de::DeTable;
 
 type Outcome<T> = Result<T, Error>;
 
-const KEYS: [&str; 20] = [
+const KEYS: [&str; 21] = [
     "after",
     "seed",
     "compensate",
@@ -17,6 +17,7 @@ const KEYS: [&str; 20] = [
     "lqr",
     "observer",
     "offset",
+    "estimator",
     "gains",
     "drive",
     "contact",
@@ -72,6 +73,7 @@ pub(crate) fn read(table: &Table<'_>, to: &mut Simulation) -> Outcome<()> {
             "lqr" => to.weights = value.said(weights(&value)?),
             "observer" => to.observer = Some(value.switch()?),
             "offset" => to.offset = Some(value.switch()?),
+            "estimator" => to.estimator = value.switch()?,
             "gains" => gains(&value, &mut to.gains)?,
             "drive" => friction(&value, &mut to.drive)?,
             "contact" => friction(&value, &mut to.contact)?,

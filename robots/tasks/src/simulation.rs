@@ -82,6 +82,8 @@ pub struct Simulation {
     pub observer: Option<bool>,
     /// Whether a constant offset of the lean is estimated; as designed if not said.
     pub offset: Option<bool>,
+    /// Whether the tracker is told what an estimator makes of counts, gyro and accelerometer.
+    pub estimator: bool,
     /// Gains instead of the designed ones, by name.
     pub gains: Vec<(Said<String>, Vec<f64>)>,
     /// At the drives.

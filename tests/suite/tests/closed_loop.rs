@@ -91,6 +91,7 @@ fn nominally_the_plan_is_followed_within_a_millimetre() {
     for (experiment, run) in &results {
         let [_, body] = compensation(run);
         assert!(body <= 0.05, "{}: compensation of {body} deg", experiment.name);
+        assert_eq!(run.errors.saturated, 0.0, "{}: at a limit", experiment.name);
     }
     let by_plan = Gains { compensate: Compensate::Plan, ..gains() };
     for (experiment, run) in all(&by_plan, &Scenario::default(), 0.0) {

@@ -26,7 +26,9 @@ pub(crate) struct Attitude<T: Ordered, const N: usize, const NX: usize> {
     pub(crate) heading: T,
     /// Lean angles.
     angle: SVector<T, NX>,
-    /// Error of their rates.
+    /// Their rates by the gyro, one period before.
+    turning: SVector<T, NX>,
+    /// Error of these.
     bias: SVector<T, NX>,
     position: SVector<T, 3>,
     velocity: SVector<T, 3>,
@@ -60,6 +62,7 @@ impl<T: Ordered, const N: usize, const NX: usize> Attitude<T, N, NX> {
             has_heading: true,
             heading: T::zero(),
             angle: SVector::from_fn(|k, _| start[lean[k]]),
+            turning: SVector::from_element(T::zero()),
             bias: SVector::from_element(T::zero()),
             position: zero,
             velocity: zero,
@@ -93,32 +96,65 @@ impl<T: Ordered, const N: usize, const NX: usize> Attitude<T, N, NX> {
         R: Robot<T, N, NX, NS>,
     {
         let Settings { period, tilt_rate, gravity, mounting, point, .. } = settings;
-        for (k, &i) in self.lean.iter().enumerate() {
-            state.q[i] = self.angle[k];
-        }
-        let rotation = robot.frame_rotation(&state.q, self.frame);
-        self.jacobian = self.rate_jacobian(robot, &state.q);
-        let (turning, heading_rate) = self.rates(&rotation, &(mounting * reading.gyro));
-        let rates = turning - self.bias;
-        // Where the unit is, in axes that turn with the heading as the model's do.
-        let seen = robot.point_position(&state.q, *point);
+        let (period, up) = (*period, vertical::<T>());
+        let half = T::from_f64(0.5) * period;
+        let (spin, acceleration) = (mounting * reading.gyro, mounting * reading.accelerometer);
+        let mut before = self.turn(robot, state);
         if !self.started {
-            (self.position, self.started) = (seen, true);
+            // Standing, what the unit feels beside gravity is lean.
+            let beside = before * acceleration - up * *gravity;
+            self.angle -= self.tilt_of(&before, *gravity, &beside);
+            before = self.turn(robot, state);
+            self.position = robot.point_position(&state.q, *point);
+            self.turning = self.rates(&before, &spin).0;
+            self.started = true;
+            self.put(state, &(self.turning - self.bias));
+            return;
         }
-        let up = vertical::<T>();
-        let felt = rotation * (mounting * reading.accelerometer) - up * *gravity;
-        let innovation = seen - self.position;
-        let [one, two, three, four] = poles(*tilt_rate);
+        // What a period did: lean, path and velocity in axes that turn with the heading as the model's do.
+        let (turning, heading_rate) = self.rates(&before, &spin);
+        self.angle += (self.turning + turning) * half - self.bias * period;
+        self.turning = turning;
+        self.heading += heading_rate * period;
+        let rotation = self.turn(robot, state);
+        let felt = (before * acceleration + rotation * acceleration) * T::from_f64(0.5);
         let carried = up.cross(&self.velocity) * heading_rate;
-        self.position += (self.velocity + innovation * one) * *period;
-        self.velocity += (felt - carried + innovation * two) * *period;
-        let tilt = self.tilt_of(&rotation, *gravity, &innovation);
-        self.angle += (rates + tilt * three) * *period;
-        self.bias -= tilt * (four * *period);
-        self.heading += heading_rate * *period;
+        let gained = felt - up * *gravity - carried;
+        self.position += (self.velocity + gained * half) * period;
+        self.velocity += gained * period;
+        // What the encoders say to it.
+        let innovation = robot.point_position(&state.q, *point) - self.position;
+        let [one, two, three, four] = poles(*tilt_rate);
+        let tilt = self.tilt_of(&rotation, *gravity, &innovation) * period;
+        self.position += innovation * (one * period);
+        self.velocity += innovation * (two * period);
+        self.angle += tilt * three;
+        self.bias -= tilt * four;
+        // A corrected lean moves the place that the encoders tell.
+        let jacobian = robot.point_jacobian(&state.q, *point);
+        for (k, &i) in self.lean.iter().enumerate() {
+            self.position += jacobian.column(i) * (tilt[k] * three);
+            self.velocity += jacobian.column(i) * (tilt[k] * four);
+        }
+        self.put(state, &(turning - self.bias));
+    }
+
+    fn put(&self, state: &mut State<T, N>, rates: &SVector<T, NX>) {
         for (k, &i) in self.lean.iter().enumerate() {
             (state.q[i], state.qd[i]) = (self.angle[k], rates[k]);
         }
+    }
+
+    /// Puts the lean into a state, and returns the frame's rotation there.
+    fn turn<R, const NS: usize>(&mut self, robot: &R, state: &mut State<T, N>) -> SMatrix<T, 3, 3>
+    where
+        R: Robot<T, N, NX, NS>,
+    {
+        for (k, &i) in self.lean.iter().enumerate() {
+            state.q[i] = self.angle[k];
+        }
+        self.jacobian = self.rate_jacobian(robot, &state.q);
+        robot.frame_rotation(&state.q, self.frame)
     }
 
     /// Constant error of the gyro that shows in the lean, in the frame's axes.

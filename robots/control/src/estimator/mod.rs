@@ -5,6 +5,7 @@ mod attitude;
 mod encoder;
 mod offset;
 mod payload;
+mod rate;
 
 pub use payload::{Payload, PayloadEstimator, PayloadSettings};
 
@@ -24,8 +25,13 @@ pub struct Settings<T: Ordered, const N: usize> {
     pub resolution: SVector<T, N>,
     /// Bandwidth of the filters that make rates of counts, 1/s.
     pub encoder_rate: T,
-    /// Rate at which encoders correct what the inertial unit integrates, 1/s: lower trusts the gyro
-    /// longer.
+    /// The same of a balancing robot's position variables, whose rates have the fast part from the gyro,
+    /// over the robot's time τ (τ² = |∂Γ/∂q̈_s K⁺|, K⁺ the inverse of K⁰_qs); [`Settings::encoder_rate`]
+    /// where that is less.
+    pub position_rate: T,
+    /// Rate at which encoders correct what the inertial unit integrates, 1/s: all four poles of the
+    /// error of path, velocity, lean and gyro bias. Lower trusts the gyro longer, higher finds its bias
+    /// sooner; the path is kinematics alone, whatever masses and friction are.
     pub tilt_rate: T,
     /// Gravity, m/s².
     pub gravity: T,
@@ -48,7 +54,8 @@ impl<T: Ordered, const N: usize> Settings<T, N> {
             period,
             resolution: SVector::from_element(c(1.0 / 65536.0)),
             encoder_rate: c(150.0),
-            tilt_rate: c(0.6),
+            position_rate: c(13.0),
+            tilt_rate: c(3.0),
             gravity: c(9.81),
             mounting: SMatrix::identity(),
             point: 0,
@@ -61,6 +68,7 @@ impl<T: Ordered, const N: usize> Settings<T, N> {
         let numbers = [
             ("period", self.period, true),
             ("encoder_rate", self.encoder_rate, true),
+            ("position_rate", self.position_rate, true),
             ("tilt_rate", self.tilt_rate, false),
             ("gravity", self.gravity, true),
             ("offset_rate", self.offset_rate, false),
@@ -119,7 +127,8 @@ where
     R: Robot<T, N, NX, NS>,
     T: Ordered,
 {
-    /// An estimator for a robot that stands at `start` when it takes its first reading.
+    /// An estimator for a robot that stands at `start` when it takes its first reading, which tells its
+    /// lean more exactly.
     ///
     /// # Errors
     ///
@@ -131,7 +140,7 @@ where
         start: &SVector<T, N>,
     ) -> Result<Self, Error> {
         settings.check()?;
-        let offset = LeanOffset::new(robot)?;
+        let offset = LeanOffset::new(robot, settings)?;
         let attitude = match offset.balancing() {
             true => Some(Attitude::new(robot, settings, start)?),
             false => None,
@@ -173,8 +182,8 @@ where
             estimate.heading = attitude.heading;
             estimate.gyro_bias = attitude.gyro_bias();
         }
+        estimate.offset = self.offset.step(self.robot, &self.settings, &mut state, expected);
         estimate.state = state;
-        estimate.offset = self.offset.step(self.robot, &self.settings, &state, expected);
         if self.settings.correct_offset {
             let (qx, qs) = R::split(&state.q);
             estimate.state.q = R::join(&qx, &(qs - estimate.offset));

@@ -1,6 +1,7 @@
-//! A constant offset of the measured shape.
+//! Rates of the position variables, and a constant offset of the measured shape.
 
 use super::Settings;
+use super::rate::FlatFilter;
 use crate::observer::{OffsetObserver, flat_rate};
 use crate::plant::Plant;
 use crate::{Error, State};
@@ -12,32 +13,49 @@ use shapebot_dynamics::{Ordered, Robot};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LeanOffset<T: Ordered, const N: usize, const NX: usize, const NS: usize> {
     plant: Plant<T, N, NX, NS>,
+    filter: FlatFilter<T, NX>,
     observer: Option<OffsetObserver<T, NX>>,
 }
 
 impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> LeanOffset<T, N, NX, NS> {
-    pub(crate) fn new<R: Robot<T, N, NX, NS>>(robot: &R) -> Result<Self, Error> {
-        Ok(Self { plant: Plant::new(robot)?, observer: None })
+    pub(crate) fn new<R: Robot<T, N, NX, NS>>(
+        robot: &R,
+        settings: &Settings<T, N>,
+    ) -> Result<Self, Error> {
+        let plant = Plant::new(robot)?;
+        // q̇_x answers q_s = K⁺ u by ẍ = u − τ² ü.
+        let lag = plant.response * plant.body_gain;
+        let squared = lag.iter().fold(T::zero(), |sum, x| sum + *x * *x) / T::from_f64(NX as f64);
+        let filter = FlatFilter::new(settings, squared.sqrt());
+        Ok(Self { plant, filter, observer: None })
     }
 
     pub(crate) fn balancing(&self) -> bool {
         self.plant.balancing
     }
 
-    /// The offset: measured less true.
+    /// The offset, measured less true; a balancing robot's q̇_x is put into the state.
     pub(crate) fn step<R: Robot<T, N, NX, NS>>(
         &mut self,
         robot: &R,
         settings: &Settings<T, N>,
-        state: &State<T, N>,
+        state: &mut State<T, N>,
         expected: &SVector<T, N>,
     ) -> SVector<T, NS> {
-        let (qxd, qsd) = R::split(&state.qd);
+        let (qx, qs) = R::split(&state.q);
+        let (mut qxd, qsd) = R::split(&state.qd);
         let (_, qsdd) = R::split(expected);
+        let response = &self.plant.response;
         let dynamics =
             (robot.motion(&state.q, &state.qd), robot.dissipative_force(&state.q, &state.qd));
-        let slope = self.plant.gamma(&dynamics, &qsdd) - self.plant.response * qsdd;
-        let z = flat_rate(&self.plant.response, &qxd, &qsd);
+        let slope = self.plant.gamma(&dynamics, &qsdd) - response * qsdd;
+        if self.plant.balancing {
+            let found = self.observer.map_or(slope, |observer| slope + observer.offset);
+            let rate = self.filter.step(&(qx - response * qs), &found, settings.period);
+            qxd = rate + response * qsd;
+            state.qd = R::join(&qxd, &qsd);
+        }
+        let z = flat_rate(response, &qxd, &qsd);
         let mut observer = self.observer.unwrap_or_else(|| OffsetObserver::new(z, slope));
         observer.advance(&z, &slope, [settings.period, settings.offset_rate]);
         if !observer.is_finite() {

@@ -45,6 +45,8 @@ pub(crate) struct Run<const NX: usize> {
     pub(crate) force: f64,
     /// Largest difference of any shape coordinate from the plan.
     pub(crate) lean: f64,
+    /// Steps in which something met a limit.
+    pub(crate) limited: usize,
 }
 
 pub(crate) type Plan<const N: usize, const NX: usize, const NS: usize> =
@@ -159,6 +161,7 @@ where
         let command = controller.step(&measured, target);
         assert!(!command.fault, "fault");
         out.compensation = out.compensation.max(command.compensation.abs().max());
+        out.limited += usize::from(command.saturated);
         out.force = out.force.max(command.actuator.abs().max());
         pending.push_back(command.force);
         let force = pending.pop_front().expect("a force");
