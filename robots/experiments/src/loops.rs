@@ -107,7 +107,7 @@ impl<'a, const N: usize, const NX: usize, const NS: usize> Loops<'a, N, NX, NS> 
         let world = World { system: plant, map: model, scenario, timing };
         if self.task.simulation.estimator {
             let sensors = &scenario.sensors;
-            let mut estimated = Estimated::new(model, tracker, sensors, period)?;
+            let mut estimated = Estimated::new(&model, tracker, sensors, period)?;
             return Ok(simulate(&world, &self.reference, &mut estimated)?);
         }
         if scenario.sensors.position_step > 0.0 {
