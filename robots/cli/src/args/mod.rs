@@ -66,6 +66,8 @@ pub(crate) enum Command {
     Table(FolderArgs),
     /// Verifies a plan file, and converts it
     Inspect(InspectArgs),
+    /// Checks a drive description and shows what its buses carry
+    Drive(DriveArgs),
     /// Shows the telemetry of a running robot
     Monitor(MonitorArgs),
     /// Gives a running robot an order
@@ -77,12 +79,14 @@ pub(crate) enum Command {
 }
 
 mod closed_loop;
+mod drive;
 mod operator;
 
 pub(crate) use closed_loop::{
     FolderArgs, MergeArgs, RobustnessArgs, RobustnessCommand, SimulateArgs,
 };
 
+pub(crate) use drive::DriveArgs;
 pub(crate) use operator::{CommandArgs, LinkArgs, MonitorArgs, OrderArgs};
 
 const ROBOT_HELP: &str = "Model file, or name of a bundled robot";

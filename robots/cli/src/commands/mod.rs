@@ -2,6 +2,7 @@
 
 pub(crate) mod check;
 pub(crate) mod derive;
+pub(crate) mod drive;
 pub(crate) mod emit;
 pub(crate) mod eval;
 pub(crate) mod experiments;
