@@ -247,11 +247,14 @@ where
         if let (Safety::Tracking, Some(plan)) = (safety, &self.plan) {
             let elapsed = seconds::<T>(time.saturating_sub(self.tracking_since));
             let at = plan.start_time() + elapsed;
+            // Torque is held for a period. That it acts a period later is a disturbance to the
+            // controller, which makes up for it.
+            let acting = plan.at(at + T::from_f64(0.5) * self.balance.period);
             let plan = plan.at(at);
             // A plan's forces are those without friction.
-            let q = R::join(&plan.position[0], &plan.shape[0]);
-            let qd = R::join(&plan.position[1], &plan.shape[1]);
-            let force = plan.force - self.robot.dissipative_force(&q, &qd);
+            let q = R::join(&acting.position[0], &acting.shape[0]);
+            let qd = R::join(&acting.position[1], &acting.shape[1]);
+            let force = acting.force - self.robot.dissipative_force(&q, &qd);
             let target = Target { position: plan.position, shape: plan.shape, force };
             return (target, Some(at));
         }
