@@ -5,6 +5,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod by_reference;
 pub mod control;
 mod description;
 mod parameter;

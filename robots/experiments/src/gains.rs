@@ -1,24 +1,20 @@
 //! Gains: as designed, with what the task overrides.
 
-use crate::Error;
+use crate::{Error, SizedRobot};
 use nalgebra::{SMatrix, SVector};
 use shapebot_control::{Compensate, Gains};
-use shapebot_dynamics::Robot;
 use shapebot_dynamics::control::ControlDesign;
 use shapebot_planning::{Detail, Phase, PlannedMotion, Refusal};
 use shapebot_tasks::simulation::{self, Simulation};
 
 /// Gains for following a plan as the task says.
-pub(crate) fn gains<R, const N: usize, const NX: usize, const NS: usize>(
-    model: &R,
+pub(crate) fn gains<const N: usize, const NX: usize, const NS: usize>(
+    model: &SizedRobot<N, NX, NS>,
     design: &ControlDesign,
     planned: &PlannedMotion,
     simulation: &Simulation,
-) -> Result<Gains<f64, NX, NS>, Error>
-where
-    R: Robot<f64, N, NX, NS>,
-{
-    let mut gains = Gains::from_design(model, design)?;
+) -> Result<Gains<f64, NX, NS>, Error> {
+    let mut gains = Gains::from_design(&model, design)?;
     gains.compensate = match simulation.compensate {
         simulation::Compensate::Plan => Compensate::Plan,
         simulation::Compensate::Body => Compensate::Body,

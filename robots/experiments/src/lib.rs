@@ -2,10 +2,11 @@
 //! followed by the controller of `shapebot-control` on the simulated robot of `shapebot-sim`.
 //!
 //! [`run`] makes one [`Experiment`], plain data for tables, CSV, plots and reports. [`Trials`] makes many
-//! at random, [`Runs::onsets`] finds where falls begin. Robots are given as types; which robots there
-//! are is the caller's knowledge.
+//! at random, [`Runs::onsets`] finds where falls begin. [`AnyRobot`] hides a robot's sizes, so that callers need not
+//! be compiled for each; which robots there are is their knowledge.
 #![forbid(unsafe_code)]
 
+mod any_robot;
 mod error;
 mod experiment;
 mod gains;
@@ -19,12 +20,13 @@ mod subject;
 mod summary;
 mod trials;
 
+pub use any_robot::{AnyRobot, Driven, Planned, Supported};
 pub use error::Error;
 pub use experiment::{Errors, Experiment, Fall, Sample};
 pub use loops::run;
 pub use onsets::OnsetOf;
 pub use report::{run_page, trace};
 pub use rows::{HEAD, MergeError, Row, merge};
-pub use subject::{Plants, Settings, Subject, System};
+pub use subject::{AnySystem, Plants, Settings, SizedRobot, Subject, System};
 pub use summary::{Percentiles, Summary};
 pub use trials::{Runs, Shard, Trials};

@@ -7,7 +7,6 @@ use crate::reference::reference;
 use crate::scenario::scenario;
 use crate::subject::{Subject, System};
 use shapebot_control::{Controller, Gains};
-use shapebot_dynamics::Robot;
 use shapebot_planner::value::RobotId;
 use shapebot_planning::{PlannedMotion, Refusal};
 use shapebot_report::Recorder;
@@ -30,8 +29,8 @@ const RATE_BANDWIDTH: f64 = 13.0;
 const SHOWN: f64 = 25.0;
 
 /// Everything that stays the same from run to run of a task.
-pub(crate) struct Loops<'a, R, const N: usize, const NX: usize, const NS: usize> {
-    pub(crate) subject: Subject<'a, R, N>,
+pub(crate) struct Loops<'a, const N: usize, const NX: usize, const NS: usize> {
+    pub(crate) subject: Subject<'a, N, NX, NS>,
     pub(crate) task: &'a Task,
     pub(crate) planned: &'a PlannedMotion,
     pub(crate) reference: Table<N, NX, NS>,
@@ -39,19 +38,16 @@ pub(crate) struct Loops<'a, R, const N: usize, const NX: usize, const NS: usize>
     gains: Gains<f64, NX, NS>,
 }
 
-impl<'a, R, const N: usize, const NX: usize, const NS: usize> Loops<'a, R, N, NX, NS>
-where
-    R: Robot<f64, N, NX, NS>,
-{
+impl<'a, const N: usize, const NX: usize, const NS: usize> Loops<'a, N, NX, NS> {
     pub(crate) fn new(
-        subject: Subject<'a, R, N>,
+        subject: Subject<'a, N, NX, NS>,
         task: &'a Task,
         planned: &'a PlannedMotion,
         id: &RobotId<'_>,
     ) -> Result<Self, Error> {
         let gains = gains(subject.model, subject.design, planned, &task.simulation)?;
         let reference = reference(subject.model, planned, id, gains.period)?;
-        let scale = Scale::of(subject.model)?;
+        let scale = Scale::of(&subject.model)?;
         Ok(Self { subject, task, planned, reference, scale, gains })
     }
 
@@ -73,6 +69,7 @@ where
         let place = simulation.plant.first().map(|(name, _)| &name.place);
         let place = model.map(|model| &model.place).or(place);
         let plant = self.subject.plants.plant(model.map(|model| model.value.as_str()), &all);
+        let plant = plant.and_then(|plant| plant.of::<N>());
         plant.map_err(|refusal| refusal.at(place.map_or("", String::as_str)))
     }
 
@@ -85,7 +82,7 @@ where
     ) -> Result<Run<N, NX, NS>, Error> {
         match self.task.simulation.law {
             Law::Planned => {
-                let controller = Controller::new(self.subject.model, &self.gains)?;
+                let controller = Controller::new(&self.subject.model, &self.gains)?;
                 self.follow(plant, scenario, recorded, controller)
             }
             Law::Regulator => self.follow(plant, scenario, recorded, self.regulator()?),
@@ -109,16 +106,16 @@ where
         let world = World { system: plant, map: model, scenario, timing };
         if scenario.sensors.position_step > 0.0 {
             let bandwidth = RATE_BANDWIDTH / self.scale.time;
-            let mut filtered = RateFilter::new(model, tracker, period, bandwidth);
+            let mut filtered = RateFilter::new(&model, tracker, period, bandwidth);
             return Ok(simulate(&world, &self.reference, &mut filtered)?);
         }
         Ok(simulate(&world, &self.reference, &mut tracker)?)
     }
 
-    fn regulator(&self) -> Result<Lqr<'a, N, NX, NS>, Error> {
+    fn regulator(&self) -> Result<Lqr<'_, N, NX, NS>, Error> {
         let Said { value, place } = &self.task.simulation.weights;
         let weights = LqrWeights { state: value.state.clone(), actuator: value.actuator.clone() };
-        Lqr::new(self.subject.model, &weights, self.gains.period).map_err(|error| match error {
+        Lqr::new(&self.subject.model, &weights, self.gains.period).map_err(|error| match error {
             shapebot_sim::Error::Invalid { .. } => Refusal::task(error).at(place).into(),
             other => other.into(),
         })
@@ -136,25 +133,19 @@ fn every(period: f64, rate: f64) -> usize {
 ///
 /// A task that makes no sense for the robot, a plan of another robot, a controller or simulation that
 /// is refused.
-pub fn run<R, const N: usize, const NX: usize, const NS: usize>(
-    subject: Subject<'_, R, N>,
+pub fn run<const N: usize, const NX: usize, const NS: usize>(
+    subject: Subject<'_, N, NX, NS>,
     task: &Task,
     planned: &PlannedMotion,
     id: &RobotId<'_>,
-) -> Result<Experiment, Error>
-where
-    R: Robot<f64, N, NX, NS>,
-{
+) -> Result<Experiment, Error> {
     let loops = Loops::new(subject, task, planned, id)?;
     let scenario = scenario(subject.model, &task.simulation)?;
     let plant = loops.plant(&[])?;
     loops.recorded(&*plant, &scenario)
 }
 
-impl<R, const N: usize, const NX: usize, const NS: usize> Loops<'_, R, N, NX, NS>
-where
-    R: Robot<f64, N, NX, NS>,
-{
+impl<const N: usize, const NX: usize, const NS: usize> Loops<'_, N, NX, NS> {
     /// A run with samples and animation.
     pub(crate) fn recorded(
         &self,
@@ -166,7 +157,7 @@ where
         let description = self.subject.model.description();
         let mut experiment = Experiment::of(description, self.task, plan, &run);
         experiment.frame_every = every(1.0 / RECORDED, SHOWN);
-        let mut recorder = Recorder::new(self.subject.model);
+        let mut recorder = Recorder::new(&self.subject.model);
         for sample in run.samples.iter().step_by(experiment.frame_every) {
             recorder.push(&sample.state.q, &sample.desired, &sample.planned);
         }

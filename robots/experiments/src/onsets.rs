@@ -4,7 +4,7 @@ use crate::Error;
 use crate::scenario::leaning;
 use crate::trials::Trials;
 use nalgebra::{SVector, Vector3};
-use shapebot_dynamics::{Description, Robot};
+use shapebot_dynamics::Description;
 use shapebot_sim::{Onset, Push, Scenario, onset};
 
 /// Where one disturbance, alone, begins to make the robot fall.
@@ -41,10 +41,7 @@ pub(crate) struct Trial {
     told: fn(f64) -> f64,
 }
 
-impl<R, const N: usize, const NX: usize, const NS: usize> Trials<'_, R, N, NX, NS>
-where
-    R: Robot<f64, N, NX, NS> + Sync,
-{
+impl<const N: usize, const NX: usize, const NS: usize> Trials<'_, N, NX, NS> {
     /// What is tried.
     pub(crate) fn disturbances(&self) -> Vec<Trial> {
         let scale = &self.loops.scale;

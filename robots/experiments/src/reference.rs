@@ -1,6 +1,6 @@
 //! What is to happen, from the bytes of a plan's file.
 
-use crate::Error;
+use crate::{Error, SizedRobot};
 use nalgebra::SVector;
 use shapebot_control::Target;
 use shapebot_dynamics::Robot;
@@ -9,23 +9,21 @@ use shapebot_planning::{PlannedMotion, Row};
 use shapebot_sim::{Moment, Table};
 
 /// The plan at every control period, evaluated as a controller would: by the polynomials of its file.
-pub(crate) fn reference<R, const N: usize, const NX: usize, const NS: usize>(
-    model: &R,
+pub(crate) fn reference<const N: usize, const NX: usize, const NS: usize>(
+    model: &SizedRobot<N, NX, NS>,
     planned: &PlannedMotion,
     id: &RobotId<'_>,
     period: f64,
-) -> Result<Table<N, NX, NS>, Error>
-where
-    R: Robot<f64, N, NX, NS>,
-{
+) -> Result<Table<N, NX, NS>, Error> {
     let view = PlanView::<f64, NX, NS, N>::open(&planned.files.binary, id)?;
     let start = view.start_time();
     let steps = ((view.end_time() - start) / period - 1e-6).ceil().max(1.0) as usize;
     let moment = |k: usize| {
         let time = start + k as f64 * period;
         let state = view.at(time);
-        let [q, qd] =
-            [0, 1].map(|order: usize| R::join(&state.position[order], &state.shape[order]));
+        let [q, qd] = [0, 1].map(|order: usize| {
+            <&SizedRobot<N, NX, NS>>::join(&state.position[order], &state.shape[order])
+        });
         let target = Target {
             position: state.position,
             shape: state.shape,

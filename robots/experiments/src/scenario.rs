@@ -1,21 +1,18 @@
 //! What a task says about its simulation, at the robot's sizes and in its units.
 
-use crate::Error;
+use crate::{Error, SizedRobot};
 use nalgebra::{SVector, Vector3};
-use shapebot_dynamics::{Description, Robot};
+use shapebot_dynamics::Description;
 use shapebot_planning::Refusal;
 use shapebot_sim::{Floor, Friction, Push, Scenario};
 use shapebot_tasks::simulation::{self, Simulation};
 use shapebot_tasks::{Quantities, Said};
 
 /// The scenario of a simulation.
-pub(crate) fn scenario<R, const N: usize, const NX: usize, const NS: usize>(
-    model: &R,
+pub(crate) fn scenario<const N: usize, const NX: usize, const NS: usize>(
+    model: &SizedRobot<N, NX, NS>,
     simulation: &Simulation,
-) -> Result<Scenario<NX, NS>, Error>
-where
-    R: Robot<f64, N, NX, NS>,
-{
+) -> Result<Scenario<NX, NS>, Error> {
     let robot = model.description();
     let mut scenario = Scenario {
         drive: friction(&simulation.drive, robot)?,

@@ -8,7 +8,6 @@ use crate::rows::{Identity, Row};
 use crate::scenario::scenario;
 use crate::subject::Subject;
 use rayon::prelude::*;
-use shapebot_dynamics::Robot;
 use shapebot_planner::value::RobotId;
 use shapebot_planning::PlannedMotion;
 use shapebot_sim::{Draw, Ranges, Scenario, draw};
@@ -40,25 +39,22 @@ impl Shard {
 
 /// Runs of a task with everything that is uncertain drawn at random: run k is the same by itself as
 /// among others.
-pub struct Trials<'a, R, const N: usize, const NX: usize, const NS: usize> {
-    pub(crate) loops: Loops<'a, R, N, NX, NS>,
+pub struct Trials<'a, const N: usize, const NX: usize, const NS: usize> {
+    pub(crate) loops: Loops<'a, N, NX, NS>,
     /// What the task says, onto which draws are put.
     pub(crate) base: Scenario<NX, NS>,
     ranges: Ranges,
     identity: Identity,
 }
 
-impl<'a, R, const N: usize, const NX: usize, const NS: usize> Trials<'a, R, N, NX, NS>
-where
-    R: Robot<f64, N, NX, NS> + Sync,
-{
+impl<'a, const N: usize, const NX: usize, const NS: usize> Trials<'a, N, NX, NS> {
     /// `of` runs of a planned task from a seed; `name` is that of the task.
     ///
     /// # Errors
     ///
     /// As [`crate::run`].
     pub fn new(
-        subject: Subject<'a, R, N>,
+        subject: Subject<'a, N, NX, NS>,
         (name, task): (&str, &'a Task),
         planned: &'a PlannedMotion,
         id: &RobotId<'_>,
@@ -130,10 +126,7 @@ pub trait Runs: Sync {
     fn onsets(&self, done: &(dyn Fn() + Sync)) -> Result<Vec<OnsetOf>, Error>;
 }
 
-impl<R, const N: usize, const NX: usize, const NS: usize> Runs for Trials<'_, R, N, NX, NS>
-where
-    R: Robot<f64, N, NX, NS> + Sync,
-{
+impl<const N: usize, const NX: usize, const NS: usize> Runs for Trials<'_, N, NX, NS> {
     fn rows(&self, shard: Shard, done: &(dyn Fn() + Sync)) -> Result<Vec<Row>, Error> {
         let runs = shard.runs(self.identity.of).into_par_iter();
         let row = |run| {

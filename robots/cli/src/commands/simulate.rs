@@ -10,7 +10,7 @@ use crate::failure::{Failure, Outcome};
 use crate::output;
 use crate::plot;
 use crate::robot::{Dynamics, Source, identity};
-use shapebot_experiments::Experiment;
+use shapebot_experiments::{Experiment, Planned};
 use shapebot_planning::PlannedMotion;
 use shapebot_tasks::{Method, Task};
 use std::io::Write;
@@ -75,7 +75,7 @@ pub(crate) fn simulate(
 ) -> Outcome<(PlannedMotion, Experiment)> {
     let id = identity(robot.description(), parameters);
     let planned = robot.plan(task, &id)?;
-    let experiment = robot.simulate(task, &planned, &id)?;
+    let experiment = robot.simulate(Planned { task, motion: &planned, id: &id })?;
     Ok((planned, experiment))
 }
 

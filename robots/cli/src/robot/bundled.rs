@@ -5,8 +5,7 @@ use super::{Dynamics, ModelText};
 use crate::failure::{Failure, Outcome};
 use shapebot_dynamics::Parameter;
 use shapebot_dynamics::control::ControlDesign;
-use shapebot_experiments::System;
-use std::any::Any;
+use shapebot_experiments::{AnySystem, SizedRobot, Supported};
 
 /// Parameters by name, with their values.
 type Settings = [(String, f64)];
@@ -16,8 +15,8 @@ pub(crate) struct Bundled {
     name: &'static str,
     /// The compiled code with some parameters set, the model's own values for the rest.
     compiled: fn(&Settings) -> Outcome<Box<dyn Dynamics>>,
-    /// The same as a `Box<System<N>>`, N its number of coordinates.
-    system: fn(&Settings) -> Outcome<Box<dyn Any>>,
+    /// The same as a plant.
+    system: fn(&Settings) -> Outcome<AnySystem>,
 }
 
 /// A model for whose controller no gains were found.
@@ -73,10 +72,11 @@ macro_rules! systems {
     ($({ $name:literal, $module:ident, $robot:ident, $baked:ident, $n:literal, $nx:literal, $ns:literal })*) => {
         &[$(Bundled {
             name: $name,
-            compiled: |set| Ok(Box::new(Lagrangian::<_, $n>(parameters!($module, $robot, set)))),
+            compiled: |set| {
+                Ok(Box::new(Lagrangian::<$n>(Box::new(parameters!($module, $robot, set)))))
+            },
             system: |set| {
-                let system: Box<System<$n>> = Box::new(parameters!($module, $robot, set));
-                Ok(Box::new(system))
+                Ok(AnySystem::new::<$n>(Box::new(parameters!($module, $robot, set))))
             },
         }),*]
     };
@@ -88,13 +88,16 @@ macro_rules! robots {
         &[$(Bundled {
             name: $name,
             compiled: |set| {
-                let make = |set: &Settings| Ok(parameters!($module, $robot, set));
+                let system: fn(&Settings) -> _ = |set| {
+                    Ok(AnySystem::new::<$n>(Box::new(parameters!($module, $robot, set))))
+                };
+                let robot: Box<SizedRobot<$n, $nx, $ns>> =
+                    Box::new(parameters!($module, $robot, set));
                 let (design, set) = (design!($module), set.to_vec());
-                Ok(Box::new(Compiled::<_, $n, $nx, $ns> { robot: make(&set)?, make, set, design }))
+                Ok(Box::new(Compiled { robot: robot.any(), system, set, design }))
             },
             system: |set| {
-                let system: Box<System<$n>> = Box::new(parameters!($module, $robot, set));
-                Ok(Box::new(system))
+                Ok(AnySystem::new::<$n>(Box::new(parameters!($module, $robot, set))))
             },
         }),*]
     };
@@ -120,11 +123,9 @@ impl Bundled {
         (self.compiled)(set)
     }
 
-    /// The compiled code as a system of N coordinates.
-    pub(super) fn system<const N: usize>(&self, set: &Settings) -> Outcome<Box<System<N>>> {
-        let system = (self.system)(set)?.downcast::<Box<System<N>>>();
-        let other = |_| Failure::usage(format!("`{}` has no {N} coordinates", self.name));
-        system.map(|system| *system).map_err(other)
+    /// The compiled code as a plant.
+    pub(super) fn system(&self, set: &Settings) -> Outcome<AnySystem> {
+        (self.system)(set)
     }
 
     /// The model's text.

@@ -1,128 +1,111 @@
 //! Generated code behind the tool's own interface.
 
-use super::{Dynamics, RunsOf, Then, closed_loop, not_shape_accelerated};
+use super::{Dynamics, not_shape_accelerated, plants};
 use crate::commands::eval::{Field, Results, Selection, State};
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::control::ControlDesign;
-use shapebot_dynamics::{Description, LagrangianSystem, Robot, ShapeAccelerated};
-use shapebot_experiments::{Experiment, Plants, Settings, Subject, System};
-use shapebot_planner::value::RobotId;
-use shapebot_planning::PlannedMotion;
+use shapebot_dynamics::{Description, LagrangianSystem, ShapeAccelerated};
+use shapebot_experiments::{AnyRobot, AnySystem, Plants, Settings, System, with_sized};
 use shapebot_planning::Refusal;
-use shapebot_tasks::Task;
 
 /// A Lagrangian system without Γ.
-pub(crate) struct Lagrangian<R, const N: usize>(pub(crate) R);
+pub(crate) struct Lagrangian<const N: usize>(pub(crate) Box<System<N>>);
 
 /// A robot.
-pub(crate) struct Compiled<R, const N: usize, const NX: usize, const NS: usize> {
-    pub(crate) robot: R,
+pub(crate) struct Compiled {
+    pub(crate) robot: AnyRobot,
     /// Another one, with some parameters set.
-    pub(crate) make: fn(&Settings) -> Outcome<R>,
+    pub(crate) system: fn(&Settings) -> Outcome<AnySystem>,
     /// Those that are set.
     pub(crate) set: Vec<(String, f64)>,
     pub(crate) design: Option<&'static ControlDesign>,
 }
 
-impl<R: LagrangianSystem<f64, N>, const N: usize> Dynamics for Lagrangian<R, N> {
+impl<const N: usize> Dynamics for Lagrangian<N> {
     fn description(&self) -> &Description {
         self.0.description()
+    }
+
+    fn evaluate(&self, selection: &Selection, state: &State, results: &mut Results) {
+        fill_lagrangian(&*self.0, selection, state, results);
     }
 
     fn is_shape_accelerated(&self) -> bool {
         false
     }
 
-    fn evaluate(&self, selection: &Selection, state: &State, results: &mut Results) {
-        fill_lagrangian(&self.0, selection, state, results);
-    }
-
-    fn plan(&self, _task: &Task, _id: &RobotId<'_>) -> Outcome<PlannedMotion> {
+    fn robot(&self) -> Outcome<&AnyRobot> {
         Err(not_shape_accelerated(self.0.description().name))
     }
 
-    fn simulate(&self, _: &Task, _: &PlannedMotion, _: &RobotId<'_>) -> Outcome<Experiment> {
-        Err(not_shape_accelerated(self.0.description().name))
+    fn control(&self) -> Outcome<&'static ControlDesign> {
+        Err(no_design(self.0.description().name))
     }
 
-    fn with_runs(&self, _: &RunsOf<'_>, _: &mut Then<'_>) -> Outcome {
-        Err(not_shape_accelerated(self.0.description().name))
-    }
-
-    fn design(&self) -> Outcome<(&'static ControlDesign, Vec<[f64; 2]>)> {
-        Err(not_shape_accelerated(self.0.description().name))
+    fn plants(&self) -> &dyn Plants {
+        &NoPlants
     }
 }
 
-impl<R, const N: usize, const NX: usize, const NS: usize> Dynamics for Compiled<R, N, NX, NS>
-where
-    R: Robot<f64, N, NX, NS> + Sync + 'static,
-{
+/// Without Γ there is nothing to simulate.
+struct NoPlants;
+
+impl Plants for NoPlants {
+    fn plant(&self, _: Option<&str>, _: &Settings) -> Result<AnySystem, Refusal> {
+        Err(Refusal::plan("the model is not shape-accelerated"))
+    }
+}
+
+impl Dynamics for Compiled {
     fn description(&self) -> &Description {
         self.robot.description()
+    }
+
+    fn evaluate(&self, selection: &Selection, state: &State, results: &mut Results) {
+        with_sized!(&self.robot, |robot| {
+            fill_lagrangian(robot, selection, state, results);
+            fill_shape(robot, selection, state, results);
+        });
     }
 
     fn is_shape_accelerated(&self) -> bool {
         true
     }
 
-    fn evaluate(&self, selection: &Selection, state: &State, results: &mut Results) {
-        fill_lagrangian(&self.robot, selection, state, results);
-        fill_shape(&self.robot, selection, state, results);
+    fn robot(&self) -> Outcome<&AnyRobot> {
+        Ok(&self.robot)
     }
 
-    fn plan(&self, task: &Task, id: &RobotId<'_>) -> Outcome<PlannedMotion> {
-        Ok(shapebot_planning::plan(&self.robot, task, id)?)
+    fn control(&self) -> Outcome<&'static ControlDesign> {
+        self.design.ok_or_else(|| no_design(self.description().name))
     }
 
-    fn simulate(
-        &self,
-        task: &Task,
-        planned: &PlannedMotion,
-        id: &RobotId<'_>,
-    ) -> Outcome<Experiment> {
-        Ok(shapebot_experiments::run(self.subject()?, task, planned, id)?)
-    }
-
-    fn with_runs(&self, runs: &RunsOf<'_>, then: &mut Then<'_>) -> Outcome {
-        closed_loop::with_runs(self.subject()?, runs, then)
-    }
-
-    fn design(&self) -> Outcome<(&'static ControlDesign, Vec<[f64; 2]>)> {
-        Ok((self.designed()?, closed_loop::poles(&self.robot)?))
+    fn plants(&self) -> &dyn Plants {
+        self
     }
 }
 
-impl<R, const N: usize, const NX: usize, const NS: usize> Compiled<R, N, NX, NS>
-where
-    R: Robot<f64, N, NX, NS> + Sync + 'static,
-{
-    fn designed(&self) -> Outcome<&'static ControlDesign> {
-        self.design.ok_or_else(|| closed_loop::no_design(self.robot.description().name))
-    }
-
-    fn subject(&self) -> Outcome<Subject<'_, R, N>> {
-        Ok(Subject { model: &self.robot, design: self.designed()?, plants: self })
-    }
-}
-
-impl<R, const N: usize, const NX: usize, const NS: usize> Plants<N> for Compiled<R, N, NX, NS>
-where
-    R: Robot<f64, N, NX, NS> + Sync + 'static,
-{
-    fn plant(&self, model: Option<&str>, set: &Settings) -> Result<Box<System<N>>, Refusal> {
-        let set = closed_loop::merged(&self.set, set);
+impl Plants for Compiled {
+    fn plant(&self, model: Option<&str>, set: &Settings) -> Result<AnySystem, Refusal> {
+        let set = plants::merged(&self.set, set);
         match model {
-            Some(model) => closed_loop::other(model, &set),
-            None => Ok(Box::new((self.make)(&set)?)),
+            Some(model) => plants::other(model, &set),
+            None => Ok((self.system)(&set)?),
         }
     }
 }
 
+/// Why there is no controller.
+fn no_design(name: &str) -> Failure {
+    Failure::refused(format!(
+        "no gains were found that make the linearised loop of `{name}` stable"
+    ))
+}
+
 /// The functions of a Lagrangian system.
-fn fill_lagrangian<R: LagrangianSystem<f64, N>, const N: usize>(
-    robot: &R,
+fn fill_lagrangian<const N: usize>(
+    robot: &dyn LagrangianSystem<f64, N>,
     selection: &Selection,
     state: &State,
     results: &mut Results,
@@ -166,8 +149,8 @@ fn fill_lagrangian<R: LagrangianSystem<f64, N>, const N: usize>(
 }
 
 /// f = B τ.
-fn force<R: LagrangianSystem<f64, N>, const N: usize>(
-    robot: &R,
+fn force<const N: usize>(
+    robot: &dyn LagrangianSystem<f64, N>,
     q: &SVector<f64, N>,
     tau: &[f64],
 ) -> SVector<f64, N> {
@@ -176,8 +159,8 @@ fn force<R: LagrangianSystem<f64, N>, const N: usize>(
 }
 
 /// Functions of the shape.
-fn fill_shape<R: ShapeAccelerated<f64, NX, NS>, const NX: usize, const NS: usize>(
-    robot: &R,
+fn fill_shape<const NX: usize, const NS: usize>(
+    robot: &dyn ShapeAccelerated<f64, NX, NS>,
     selection: &Selection,
     state: &State,
     results: &mut Results,

@@ -1,18 +1,16 @@
 //! Model files through the interpreter.
 
-use super::{Dynamics, ModelText, RunsOf, Then, closed_loop, derive, not_shape_accelerated};
+use super::{Dynamics, ModelText, derive, not_shape_accelerated, plants};
 use crate::commands::eval::{Field, Results, Selection, State};
 use crate::failure::{Failure, Outcome};
 use shapebot_codegen::derive::{Derivation, Parameters, Quantity};
 use shapebot_dynamics::Description;
 use shapebot_dynamics::control::ControlDesign;
-use shapebot_experiments::{Experiment, Plants, Settings, Subject, System};
-use shapebot_interpreter::{self as interpreter, Error, Tapes, check_parameters, with_interpreted};
+use shapebot_experiments::{AnyRobot, AnySystem, Plants, Settings, SizedRobot, Supported};
+use shapebot_interpreter::Interpreted as Interpreter;
+use shapebot_interpreter::{Error, Tapes, check_parameters, with_interpreted};
 use shapebot_model_dsl::model::Parameter;
-use shapebot_planner::value::RobotId;
-use shapebot_planning::PlannedMotion;
 use shapebot_planning::Refusal;
-use shapebot_tasks::Task;
 use std::cell::{OnceCell, RefCell};
 
 /// Reads, derives and compiles a model to tapes.
@@ -22,7 +20,27 @@ pub(crate) fn open(text: &ModelText, set: &[(String, f64)]) -> Outcome<Box<dyn D
     let tapes = Tapes::new(&derivation, &values).map_err(Failure::usage)?;
     let (name, scratch, design) = (text.name.clone(), RefCell::default(), OnceCell::new());
     let source = Source { derivation, set: set.to_vec() };
-    Ok(Box::new(Interpreted { name, tapes, scratch, source, design }))
+    let robot = any_robot(tapes.clone());
+    Ok(Box::new(Interpreted { name, tapes, scratch, source, robot, design }))
+}
+
+/// The functions behind the runtime traits, at the model's sizes.
+fn any_robot(tapes: Tapes<f64>) -> Result<AnyRobot, Error> {
+    with_interpreted!(tapes, |robot| any(robot))
+}
+
+fn any<const N: usize, const NX: usize, const NS: usize>(robot: Interpreter<N, NX, NS>) -> AnyRobot
+where
+    SizedRobot<N, NX, NS>: Supported,
+{
+    let robot: Box<SizedRobot<N, NX, NS>> = Box::new(robot);
+    robot.any()
+}
+
+fn any_system<const N: usize, const NX: usize, const NS: usize>(
+    robot: Interpreter<N, NX, NS>,
+) -> AnySystem {
+    AnySystem::new::<N>(Box::new(robot))
 }
 
 /// Values of all parameters: those set by name, the model's own for the rest.
@@ -51,6 +69,7 @@ struct Interpreted {
     tapes: Tapes<f64>,
     scratch: RefCell<Scratch>,
     source: Source,
+    robot: Result<AnyRobot, Error>,
     /// Made when it is asked for.
     design: OnceCell<Result<&'static ControlDesign, String>>,
 }
@@ -62,44 +81,17 @@ struct Source {
     set: Vec<(String, f64)>,
 }
 
-/// Plants of N coordinates from a derivation.
-struct Derived<'s, const N: usize, const NX: usize, const NS: usize>(&'s Source);
-
-impl<const N: usize, const NX: usize, const NS: usize> Plants<N> for Derived<'_, N, NX, NS> {
-    fn plant(&self, model: Option<&str>, set: &Settings) -> Result<Box<System<N>>, Refusal> {
-        let set = closed_loop::merged(&self.0.set, set);
+impl Plants for Source {
+    fn plant(&self, model: Option<&str>, set: &Settings) -> Result<AnySystem, Refusal> {
+        let set = plants::merged(&self.set, set);
         if let Some(model) = model {
-            return closed_loop::other(model, &set);
+            return plants::other(model, &set);
         }
-        let values = parameter_values(&self.0.derivation, &set)?;
-        let robot = interpreter::Interpreted::<N, NX, NS>::new(&self.0.derivation, &values);
-        Ok(Box::new(robot.map_err(Refusal::task)?))
+        let values = parameter_values(&self.derivation, &set)?;
+        let tapes = Tapes::new(&self.derivation, &values).map_err(Refusal::task)?;
+        let system = with_interpreted!(tapes, |robot| any_system(robot));
+        system.map_err(Refusal::task)
     }
-}
-
-/// What is done with a robot of known sizes.
-enum Errand<'a> {
-    Simulate(&'a Task, &'a PlannedMotion, &'a RobotId<'a>, &'a mut Option<Experiment>),
-    Runs(&'a RunsOf<'a>, &'a mut Then<'a>),
-    Poles(&'a mut Vec<[f64; 2]>),
-}
-
-fn run_errand<const N: usize, const NX: usize, const NS: usize>(
-    robot: &interpreter::Interpreted<N, NX, NS>,
-    source: &Source,
-    design: &'static ControlDesign,
-    errand: Errand<'_>,
-) -> Outcome {
-    let plants = Derived::<N, NX, NS>(source);
-    let subject = Subject { model: robot, design, plants: &plants };
-    match errand {
-        Errand::Simulate(task, planned, id, to) => {
-            *to = Some(shapebot_experiments::run(subject, task, planned, id)?);
-        }
-        Errand::Runs(runs, then) => closed_loop::with_runs(subject, runs, then)?,
-        Errand::Poles(to) => *to = closed_loop::poles(robot)?,
-    }
-    Ok(())
 }
 
 /// Memory that is used again from state to state.
@@ -119,16 +111,6 @@ impl Interpreted {
         design.as_ref().copied().map_err(|reason| {
             Failure::refused(format!("no controller for `{}`: {reason}", self.name))
         })
-    }
-
-    fn run_errand(&self, errand: Errand<'_>) -> Outcome {
-        if !self.is_shape_accelerated() {
-            return Err(not_shape_accelerated(&self.name));
-        }
-        let design = self.designed()?;
-        let (source, tapes) = (&self.source, self.tapes.clone());
-        let done = with_interpreted!(tapes, |robot| run_errand(&robot, source, design, errand));
-        done.map_err(Failure::refused)?
     }
 
     /// f = B τ.
@@ -232,42 +214,27 @@ impl Dynamics for Interpreted {
         self.tapes.description()
     }
 
-    fn is_shape_accelerated(&self) -> bool {
-        self.tapes.has(Quantity::Response)
-    }
-
     fn evaluate(&self, selection: &Selection, state: &State, results: &mut Results) {
         // A field that a derivation lacks stays empty and is printed as null.
         let _ = self.fill(selection, state, results);
     }
 
-    fn plan(&self, task: &Task, id: &RobotId<'_>) -> Outcome<PlannedMotion> {
-        if !self.is_shape_accelerated() {
-            return Err(not_shape_accelerated(&self.name));
+    fn is_shape_accelerated(&self) -> bool {
+        self.tapes.has(Quantity::Response)
+    }
+
+    fn robot(&self) -> Outcome<&AnyRobot> {
+        match &self.robot {
+            Err(Error::NotShapeAccelerated { .. }) => Err(not_shape_accelerated(&self.name)),
+            robot => robot.as_ref().map_err(Failure::refused),
         }
-        let tapes = self.tapes.clone();
-        let planned = with_interpreted!(tapes, |robot| shapebot_planning::plan(&robot, task, id));
-        Ok(planned.map_err(Failure::refused)??)
     }
 
-    fn simulate(
-        &self,
-        task: &Task,
-        planned: &PlannedMotion,
-        id: &RobotId<'_>,
-    ) -> Outcome<Experiment> {
-        let mut experiment = None;
-        self.run_errand(Errand::Simulate(task, planned, id, &mut experiment))?;
-        experiment.ok_or_else(|| not_shape_accelerated(&self.name))
+    fn control(&self) -> Outcome<&'static ControlDesign> {
+        self.designed()
     }
 
-    fn with_runs(&self, runs: &RunsOf<'_>, then: &mut Then<'_>) -> Outcome {
-        self.run_errand(Errand::Runs(runs, &mut |runs| then(runs)))
-    }
-
-    fn design(&self) -> Outcome<(&'static ControlDesign, Vec<[f64; 2]>)> {
-        let mut poles = Vec::new();
-        self.run_errand(Errand::Poles(&mut poles))?;
-        Ok((self.designed()?, poles))
+    fn plants(&self) -> &dyn Plants {
+        &self.source
     }
 }

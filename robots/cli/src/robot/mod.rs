@@ -1,9 +1,9 @@
 //! Robots: bundled ones run compiled code, model files go through the interpreter.
 
 mod bundled;
-mod closed_loop;
 mod compiled;
 mod interpreted;
+mod plants;
 mod text;
 
 pub(crate) use bundled::{Bundled, bundled};
@@ -13,53 +13,55 @@ use crate::commands::eval::{Results, Selection, Sizes, State};
 use crate::failure::{Failure, Outcome};
 use shapebot_dynamics::Description;
 use shapebot_dynamics::control::ControlDesign;
-use shapebot_experiments::{Experiment, Runs};
+use shapebot_experiments::{AnyRobot, Driven, Experiment, Planned, Plants, Runs};
 use shapebot_planner::value::RobotId;
 use shapebot_planning::PlannedMotion;
 use shapebot_tasks::Task;
 use std::path::Path;
-
-/// Random runs that are asked for.
-pub(crate) struct RunsOf<'a> {
-    /// The task's name.
-    pub(crate) name: &'a str,
-    pub(crate) task: &'a Task,
-    pub(crate) planned: &'a PlannedMotion,
-    pub(crate) id: &'a RobotId<'a>,
-    /// Seed and number of runs.
-    pub(crate) runs: [u64; 2],
-}
-
-/// What is done with random runs.
-pub(crate) type Then<'t> = dyn FnMut(&dyn Runs) -> Outcome + 't;
 
 /// A robot of any size whose parameters are set.
 pub(crate) trait Dynamics {
     /// Names, units, ranges, actuators and shape sets.
     fn description(&self) -> &Description;
 
-    /// Whether there is Γ.
-    fn is_shape_accelerated(&self) -> bool;
-
     /// Computes the selected fields at a state whose vectors have the robot's lengths.
     fn evaluate(&self, selection: &Selection, state: &State, results: &mut Results);
 
+    /// Whether there is Γ.
+    fn is_shape_accelerated(&self) -> bool;
+
+    /// The robot for planning and simulation, or why there is none.
+    fn robot(&self) -> Outcome<&AnyRobot>;
+
+    /// The controller's design, or why there is none.
+    fn control(&self) -> Outcome<&'static ControlDesign>;
+
+    /// Makes plants.
+    fn plants(&self) -> &dyn Plants;
+
     /// Plans a motion; `id` is what the plan's files say about the robot.
-    fn plan(&self, task: &Task, id: &RobotId<'_>) -> Outcome<PlannedMotion>;
+    fn plan(&self, task: &Task, id: &RobotId<'_>) -> Outcome<PlannedMotion> {
+        Ok(self.robot()?.plan(task, id)?)
+    }
 
     /// Lets a controller follow a planned motion of the robot, as the task says.
-    fn simulate(
-        &self,
-        task: &Task,
-        planned: &PlannedMotion,
-        id: &RobotId<'_>,
-    ) -> Outcome<Experiment>;
+    fn simulate(&self, planned: Planned<'_>) -> Outcome<Experiment> {
+        Ok(self.robot()?.simulate(self.driven()?, planned)?)
+    }
 
-    /// Calls a function with the random runs of a task.
-    fn with_runs(&self, runs: &RunsOf<'_>, then: &mut Then<'_>) -> Outcome;
+    /// Random runs of a planned motion of a task's name: seed and number of runs.
+    fn trials<'a>(
+        &'a self,
+        planned: (&str, Planned<'a>),
+        runs: [u64; 2],
+    ) -> Outcome<Box<dyn Runs + 'a>> {
+        Ok(self.robot()?.trials(self.driven()?, planned, runs)?)
+    }
 
-    /// The controller's design with the poles without control, 1/s.
-    fn design(&self) -> Outcome<(&'static ControlDesign, Vec<[f64; 2]>)>;
+    /// Gains and plants.
+    fn driven(&self) -> Outcome<Driven<'_>> {
+        Ok(Driven { design: self.control()?, plants: self.plants() })
+    }
 
     /// Numbers of coordinates.
     fn sizes(&self) -> Sizes {

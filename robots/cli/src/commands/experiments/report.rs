@@ -34,7 +34,7 @@ impl Pages {
         let mut page = RobotPage::from_description(description);
         page.equations = to_latex((&model, &equations, &certificate));
         page.certificate = certificate.to_text();
-        let (design, poles) = robot.design()?;
+        let (design, poles) = (robot.control()?, robot.robot()?.poles()?);
         page.control = Some(Control::from_design(description, design, &poles));
         self.report.robots.push(page);
         Ok(())

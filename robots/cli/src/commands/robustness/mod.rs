@@ -8,8 +8,8 @@ use super::simulate::{Done, override_task, write_summary};
 use crate::args::{MergeArgs, RobustnessArgs, RobustnessCommand};
 use crate::failure::{Failure, Outcome};
 use crate::output;
-use crate::robot::{RunsOf, identity};
-use shapebot_experiments::{HEAD, Row, Runs, Shard, merge};
+use crate::robot::identity;
+use shapebot_experiments::{HEAD, Planned, Row, Runs, Shard, merge};
 use std::io::Write;
 use std::path::Path;
 
@@ -30,25 +30,21 @@ pub(crate) fn run(args: &RobustnessArgs) -> Outcome {
     let robot = source.dynamics(&[])?;
     let id = identity(robot.description(), &[]);
     let planned = robot.plan(&task, &id)?;
-    let runs = [args.seed, args.runs];
-    let of = RunsOf { name: &name, task: &task, planned: &planned, id: &id, runs };
-    robot.with_runs(&of, &mut |runs| match args.replay {
-        None => all(args, runs),
-        Some(run) => {
-            let (row, experiment) = runs.replay(run)?;
-            let mut stdout = anstream::stdout().lock();
-            write_summary(&mut stdout, &experiment, &task.paper)?;
-            writeln!(stdout, "{HEAD}\n{row}")?;
-            let Some(folder) = &args.output else { return Ok(()) };
-            let name = format!("{name}-{}-{run}", args.seed);
-            let (source, task, planned) = (&source, &task, &planned);
-            let done = Done { name: &name, source, task, planned, experiment: &experiment };
-            for path in done.write(folder, &*robot)? {
-                writeln!(stdout, "wrote {}", path.display())?;
-            }
-            Ok(())
-        }
-    })
+    let motion = Planned { task: &task, motion: &planned, id: &id };
+    let runs = robot.trials((&name, motion), [args.seed, args.runs])?;
+    let Some(run) = args.replay else { return all(args, &*runs) };
+    let (row, experiment) = runs.replay(run)?;
+    let mut stdout = anstream::stdout().lock();
+    write_summary(&mut stdout, &experiment, &task.paper)?;
+    writeln!(stdout, "{HEAD}\n{row}")?;
+    let Some(folder) = &args.output else { return Ok(()) };
+    let name = format!("{name}-{}-{run}", args.seed);
+    let (source, task, planned) = (&source, &task, &planned);
+    let done = Done { name: &name, source, task, planned, experiment: &experiment };
+    for path in done.write(folder, &*robot)? {
+        writeln!(stdout, "wrote {}", path.display())?;
+    }
+    Ok(())
 }
 
 /// The runs of a shard, their file and what they say.
