@@ -3,6 +3,7 @@
 use shapebot_bus::BusError;
 use shapebot_drive::safety::State;
 use shapebot_drive::{FaultRecord, Faults};
+use shapebot_planner::value::FileError;
 use std::fmt;
 
 /// Why a rig cannot be built, or a run did not come to its end.
@@ -22,6 +23,10 @@ pub enum Error {
     Bus(BusError),
     /// The runtime refuses its parts.
     Runtime(shapebot_runtime::Error),
+    /// The plan is not one of the robot.
+    Plan(FileError),
+    /// A socket cannot be listened at.
+    Socket(std::io::Error),
     /// A state was not reached in time.
     Late {
         /// The state that was waited for.
@@ -46,6 +51,8 @@ impl fmt::Display for Error {
             Self::Buses(what) => f.write_str(what),
             Self::Bus(error) => write!(f, "{error}"),
             Self::Runtime(error) => write!(f, "{error}"),
+            Self::Plan(error) => write!(f, "{error}"),
+            Self::Socket(error) => write!(f, "{error}"),
             Self::Late { wanted, state, faults, failed_step } => {
                 write!(f, "the robot is in {state:?}, not in {wanted:?}")?;
                 if let Some(FaultRecord { fault, node, detail, .. }) = faults.first() {
@@ -70,6 +77,8 @@ impl std::error::Error for Error {
         match self {
             Self::Bus(error) => Some(error),
             Self::Runtime(error) => Some(error),
+            Self::Plan(error) => Some(error),
+            Self::Socket(error) => Some(error),
             _ => None,
         }
     }
@@ -84,5 +93,17 @@ impl From<BusError> for Error {
 impl From<shapebot_runtime::Error> for Error {
     fn from(error: shapebot_runtime::Error) -> Self {
         Self::Runtime(error)
+    }
+}
+
+impl From<FileError> for Error {
+    fn from(error: FileError) -> Self {
+        Self::Plan(error)
+    }
+}
+
+impl From<std::io::Error> for Error {
+    fn from(error: std::io::Error) -> Self {
+        Self::Socket(error)
     }
 }

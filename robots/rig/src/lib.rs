@@ -3,6 +3,7 @@
 //!
 //! - [`Body`]: the plant of `shapebot-sim` with legs, as what the simulated motors and sensors are on.
 //! - [`Buses`]: the buses of a drive together; in virtual time ([`network`]) or real ([`Wired`]).
+//! - [`Job`] takes a robot, its drive and a plan through a task, by itself or under an operator.
 //! - [`serve`] lets a runtime work on buses; [`run`] takes it through a whole task.
 //! - [`DriveSim`] is the other side in real time: simulated nodes on real or virtual interfaces.
 //! - [`campaign`] injects faults in every state, and judges what follows.
@@ -14,8 +15,10 @@ mod buses;
 pub mod campaign;
 mod drive_sim;
 mod error;
+pub mod operator;
 mod serve;
 mod session;
+mod task;
 mod world;
 
 pub use body::{Body, Stance, Touchdown};
@@ -23,6 +26,7 @@ pub use bus_list::BusList;
 pub use buses::{Buses, Wired};
 pub use drive_sim::DriveSim;
 pub use error::Error;
-pub use serve::serve;
+pub use serve::{serve, serve_with};
 pub use session::{Cycle, Outcome, Script, Stage, run};
+pub use task::Job;
 pub use world::{World, log_to, network};

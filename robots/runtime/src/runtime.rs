@@ -5,6 +5,7 @@ use crate::stand::{Balance, Stand, seconds};
 use crate::{Error, Settings};
 use nalgebra::SVector;
 use shapebot_control::{Command, Controller, Gains, State, Target};
+use shapebot_drive::operator::Commanded;
 use shapebot_drive::safety::{Request, State as Safety};
 use shapebot_drive::{DriveTable, Fault, Frame, MAX_AXES, Master, Measurement};
 use shapebot_dynamics::Robot;
@@ -31,6 +32,8 @@ pub struct Runtime<'a, R, T: Stored, const N: usize, const NX: usize, const NS: 
     tracking_since: u64,
     /// A stop was asked for while the robot moved.
     stopping: bool,
+    /// When the operator was last heard, µs; `None` if nobody operates.
+    operator_heard: Option<u64>,
     snapshot: Snapshot<T, N, NX, NS>,
 }
 
@@ -119,6 +122,7 @@ where
             stand: Stand::still(at, shape, 0),
             tracking_since: 0,
             stopping: false,
+            operator_heard: None,
             snapshot,
         })
     }
@@ -196,8 +200,30 @@ where
         self.master.report(fault, now);
     }
 
+    /// An operator was heard. From now on silence while the robot balances is a fault, until
+    /// [`Self::dismiss_operator`].
+    pub const fn hear_operator(&mut self, now: u64) {
+        self.operator_heard = Some(now);
+    }
+
+    /// The operator took leave: nobody is to be heard.
+    pub const fn dismiss_operator(&mut self) {
+        self.operator_heard = None;
+    }
+
+    /// Once a cycle: whether the operator is still there.
+    fn watch_operator(&mut self, now: u64) {
+        let Some(heard) = self.operator_heard else { return };
+        let silent = now.saturating_sub(heard) > self.settings.operator_timeout_us;
+        if silent && self.master.state().permits_torque() {
+            self.operator_heard = None;
+            self.master.report(Fault::OperatorSilent, now);
+        }
+    }
+
     /// From a measurement to forces.
     fn cycle(&mut self, measurement: &Measurement, now: u64) -> shapebot_drive::Command {
+        self.watch_operator(now);
         let safety = self.master.state();
         let stands = safety == Safety::Rising || !safety.permits_torque();
         if safety == Safety::Rising && self.before != Safety::Rising {
@@ -247,11 +273,14 @@ where
         if let (Safety::Tracking, Some(plan)) = (safety, &self.plan) {
             let elapsed = seconds::<T>(time.saturating_sub(self.tracking_since));
             let at = plan.start_time() + elapsed;
+            // Torque is held for a period. That it acts a period later is a disturbance to the
+            // controller, which makes up for it.
+            let acting = plan.at(at + T::from_f64(0.5) * self.balance.period);
             let plan = plan.at(at);
             // A plan's forces are those without friction.
-            let q = R::join(&plan.position[0], &plan.shape[0]);
-            let qd = R::join(&plan.position[1], &plan.shape[1]);
-            let force = plan.force - self.robot.dissipative_force(&q, &qd);
+            let q = R::join(&acting.position[0], &acting.shape[0]);
+            let qd = R::join(&acting.position[1], &acting.shape[1]);
+            let force = acting.force - self.robot.dissipative_force(&q, &qd);
             let target = Target { position: plan.position, shape: plan.shape, force };
             return (target, Some(at));
         }
@@ -347,6 +376,21 @@ where
         if !safety.permits_torque() {
             self.stopping = false;
         }
+    }
+}
+
+impl<R, T, const N: usize, const NX: usize, const NS: usize> Commanded
+    for Runtime<'_, R, T, N, NX, NS>
+where
+    R: Robot<T, N, NX, NS>,
+    T: Stored,
+{
+    fn request(&mut self, request: Request, now: u64) -> bool {
+        Runtime::request(self, request, now)
+    }
+
+    fn aim(&mut self, heading: f32) {
+        self.master.aim(heading);
     }
 }
 

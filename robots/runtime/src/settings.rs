@@ -16,6 +16,9 @@ pub struct Settings<T> {
     pub start_position: T,
     /// The same for its actuated shape coordinates.
     pub start_shape: T,
+    /// Longest silence of an operator while the robot balances, µs, once there was one: see
+    /// [`Runtime::hear_operator`](crate::Runtime::hear_operator).
+    pub operator_timeout_us: u64,
 }
 
 impl<T: Ordered> Default for Settings<T> {
@@ -27,6 +30,7 @@ impl<T: Ordered> Default for Settings<T> {
             lean_time: c(0.2),
             start_position: c(0.05),
             start_shape: c(0.05),
+            operator_timeout_us: 500_000,
         }
     }
 }

@@ -5,7 +5,6 @@ use super::binary::Header;
 use super::robot::RobotId;
 use crate::linear_algebra::{exceeds, norm};
 use crate::plan::Row;
-use core::marker::PhantomData;
 use nalgebra::SVector;
 use shapebot_dynamics::Ordered;
 
@@ -17,6 +16,10 @@ pub trait Stored: Ordered {
     fn read(bytes: &[u8]) -> Self;
     /// To the first [`SIZE`](Self::SIZE) bytes; nothing if there are fewer.
     fn write(self, bytes: &mut [u8]);
+    /// The whole part of a number that is not negative; the nearest there is where it does not fit.
+    fn whole(self) -> usize;
+    /// The nearest number to a count.
+    fn of(count: usize) -> Self;
 }
 
 macro_rules! stored {
@@ -32,6 +35,14 @@ macro_rules! stored {
                 if let Some(chunk) = bytes.first_chunk_mut::<$size>() {
                     *chunk = self.to_le_bytes();
                 }
+            }
+            #[inline]
+            fn whole(self) -> usize {
+                self as usize
+            }
+            #[inline]
+            fn of(count: usize) -> Self {
+                count as $t
             }
         }
     };
@@ -70,7 +81,11 @@ pub struct PlanView<'a, T, const NX: usize, const NS: usize, const F: usize> {
     nodes: &'a [u8],
     header: Header,
     robot: RobotId<'a>,
-    scalar: PhantomData<T>,
+    /// Start, end, step and last node of the header: evaluation knows no other scalar than T.
+    start: T,
+    end: T,
+    step: T,
+    last: T,
 }
 
 impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'a, T, NX, NS, F> {
@@ -106,7 +121,16 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
         }
         let nodes = header.nodes(bytes)?;
         let robot = header.robot(bytes).ok_or(FileError::NotAPlan)?;
-        Ok(Self { nodes, header, robot, scalar: PhantomData })
+        let last = f64::from(header.nodes - 1);
+        Ok(Self {
+            nodes,
+            header,
+            robot,
+            start: T::from_f64(header.start),
+            end: T::from_f64(header.start + header.step * last),
+            step: T::from_f64(header.step),
+            last: T::from_f64(last),
+        })
     }
 
     /// The robot that the plan is for.
@@ -116,12 +140,12 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
 
     /// When the plan opens, seconds since the motion's start.
     pub fn start_time(&self) -> T {
-        T::from_f64(self.header.start)
+        self.start
     }
 
     /// When the plan closes.
     pub fn end_time(&self) -> T {
-        T::from_f64(self.header.start + self.header.step * f64::from(self.header.nodes - 1))
+        self.end
     }
 
     /// Number of nodes.
@@ -141,17 +165,17 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
     /// The plan at time `t`, seconds since the motion's start. Before the plan and after it the robot
     /// stands as at its ends.
     pub fn at(&self, t: T) -> PlanState<T, NX, NS, F> {
-        let step = T::from_f64(self.header.step);
-        let place = (t - self.start_time()) / step;
+        let step = self.step;
+        let place = (t - self.start) / step;
         let last = self.nodes() - 1;
         if !exceeds(place, T::zero()) {
             return self.resting(0, t == self.start_time());
         }
-        if place >= T::from_f64(last as f64) {
+        if place >= self.last {
             return self.resting(last, t <= self.end_time());
         }
-        let node = (place.to_f64() as usize).min(last - 1);
-        let sigma = place - T::from_f64(node as f64);
+        let node = place.whole().min(last - 1);
+        let sigma = place - T::of(node);
         let force = 3 * (NX + NS);
         PlanState {
             position: self.quintic(node, 0, sigma, step),

@@ -14,6 +14,8 @@ pub(super) struct Pending {
     pub(super) release: u64,
     /// Tries so far that ended in an error.
     pub(super) errors: u32,
+    /// It was delivered, and is on its way once more.
+    repeated: bool,
 }
 
 /// Place in a controller's transmit queue: by arbitration, then in the order of sending.
@@ -86,7 +88,7 @@ impl Endpoint {
         }
         let ticket = (arbitration(&frame), self.tickets);
         self.tickets += 1;
-        self.waiting.insert(ticket, Pending { frame, release, errors: 0 });
+        self.waiting.insert(ticket, Pending { frame, release, errors: 0, repeated: false });
         Ok(())
     }
 
@@ -108,6 +110,12 @@ impl Endpoint {
     pub(super) fn sent(&mut self, ticket: Ticket) {
         self.waiting.remove(&ticket);
         self.transmit_errors = self.transmit_errors.saturating_sub(1);
+    }
+
+    /// Whether a frame is still to be repeated: true once.
+    pub(super) fn repeat(&mut self, ticket: Ticket) -> bool {
+        let pending = self.waiting.get_mut(&ticket);
+        pending.is_some_and(|pending| !std::mem::replace(&mut pending.repeated, true))
     }
 
     /// Counts an error as sender; true if the controller went bus-off by it.

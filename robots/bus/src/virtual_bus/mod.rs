@@ -273,12 +273,13 @@ impl VirtualBus {
     #[must_use]
     pub fn next_event(&self) -> Option<u64> {
         let late = self.late.keys().next().map(|(time, _)| *time);
-        let wire = match &self.current {
-            Some(transmission) => Some(transmission.end),
+        let (wire, recovery) = match &self.current {
+            // Nobody counts recessive bits before that.
+            Some(transmission) => (Some(transmission.end), None),
             // The end of its first bit: all that is sent up to its start takes part in arbitration.
-            None => self.next_start().map(|start| start + self.bit_ns),
+            None => (self.next_start().map(|start| start + self.bit_ns), self.next_recovery()),
         };
-        let times = [late, wire, self.next_recovery()];
+        let times = [late, wire, recovery];
         times.into_iter().flatten().min().map(|time| time.div_ceil(1000))
     }
 

@@ -123,8 +123,8 @@ impl VirtualBus {
 
     fn succeed(&mut self, senders: &[(EndpointId, Ticket)], frame: Frame, outcome: Outcome) {
         for (id, ticket) in senders {
-            if outcome == Outcome::Delivered
-                && let Some(endpoint) = self.endpoints.get_mut(id.0)
+            if let Some(endpoint) = self.endpoints.get_mut(id.0)
+                && !(outcome == Outcome::Repeated && endpoint.repeat(*ticket))
             {
                 endpoint.sent(*ticket);
             }

@@ -92,6 +92,25 @@ pub enum Event {
     PlanReceived,
 }
 
+/// Who carries out what an operator orders.
+pub trait Commanded {
+    /// Asks for something: false if the state does not allow it.
+    fn request(&mut self, request: Request, now: u64) -> bool;
+
+    /// The heading to turn to, rad.
+    fn aim(&mut self, heading: f32);
+}
+
+impl Commanded for Master<'_> {
+    fn request(&mut self, request: Request, now: u64) -> bool {
+        Master::request(self, request, now)
+    }
+
+    fn aim(&mut self, heading: f32) {
+        Master::aim(self, heading);
+    }
+}
+
 /// Sequences ahead of the last one that are taken.
 const AHEAD: u8 = 16;
 
@@ -134,8 +153,8 @@ impl<'b> Operator<'b> {
     }
 
     /// Takes the bytes of a command frame.
-    pub fn receive(&mut self, bytes: &[u8], master: &mut Master<'_>, now: u64) -> Option<Event> {
-        match self.take(bytes, master, now) {
+    pub fn receive(&mut self, bytes: &[u8], robot: &mut impl Commanded, now: u64) -> Option<Event> {
+        match self.take(bytes, robot, now) {
             Ok(event) => {
                 self.refusal = Refusal::None;
                 event
@@ -150,7 +169,7 @@ impl<'b> Operator<'b> {
     fn take(
         &mut self,
         bytes: &[u8],
-        master: &mut Master<'_>,
+        robot: &mut impl Commanded,
         now: u64,
     ) -> Result<Option<Event>, Refusal> {
         if let Some((index, data)) = command::chunk(bytes) {
@@ -162,12 +181,12 @@ impl<'b> Operator<'b> {
         match order {
             Order::Hello => Ok(None),
             Order::Ask(request) => {
-                let changed = master.request(request, now);
+                let changed = robot.request(request, now);
                 let always = matches!(request, Request::EmergencyStop);
                 if changed || always { Ok(None) } else { Err(Refusal::State) }
             }
             Order::Heading(heading) if heading.is_finite() => {
-                master.aim(heading);
+                robot.aim(heading);
                 Ok(None)
             }
             Order::Heading(_) => Err(Refusal::Bounds),

@@ -2,7 +2,7 @@
 
 use shapebot_bus::{Effect, Frame};
 use shapebot_drive::safety::State;
-use shapebot_drive::{NodeId, Object, Role, SdoStep, id};
+use shapebot_drive::{Entry, NodeId, Object, Pdo, Role, SdoStep, Signal, id};
 use shapebot_drive_build::{DriveDescription, Node};
 use shapebot_nodes::NodeFault;
 use std::ops::RangeInclusive;
@@ -132,6 +132,16 @@ impl List<'_> {
         self.cases.push(case);
     }
 
+    /// Error frames fill a bus until a controller gives up: nodes on it cannot be told meanwhile.
+    fn add_jam(&mut self, name: String, injection: Injection, expect: Expect, bus: usize) {
+        let is_on = |role: Role| {
+            let nodes = self.description.nodes.iter();
+            nodes.filter(|node| usize::from(node.bus) == bus).any(|node| node.role == role)
+        };
+        let (reaches_drives, reaches_legs) = (!is_on(Role::Drive), !is_on(Role::Legs));
+        self.cases.push(Case { name, injection, expect, reaches_drives, reaches_legs });
+    }
+
     fn wire(&self, index: usize, ids: RangeInclusive<u32>, to_node: bool) -> Injection {
         let bus = self.description.nodes.get(index).map_or(0, |node| usize::from(node.bus));
         let (from, to) = if to_node { (None, Some(index)) } else { (Some(index), None) };
@@ -166,20 +176,22 @@ impl List<'_> {
         let lost = self.wire(index, PDOS, false);
         self.add(format!("{name}: inputs dropped"), lost.clone(), Expect::Cycles);
         self.add(
-            format!("{name}: inputs dropped for 4 cycles"),
+            format!("{name}: inputs dropped for up to 4 cycles"),
             lasting(&lost, 4),
             Expect::Tolerated,
         );
         let sync = u32::from(id::SYNC);
         let deaf = self.wire(index, sync..=sync, true);
         self.add(format!("{name}: SYNC dropped"), deaf, Expect::Cycles);
+        let bus = usize::from(node.bus);
+        let jam = with(&lost, Effect::Corrupt);
+        self.add_jam(format!("{name}: inputs corrupted"), jam, Expect::Cycles, bus);
         for (what, effect, cycles, expect) in [
             ("inputs 300 µs late", Effect::Delay(300), None, Expect::Tolerated),
             ("inputs 1.5 ms late for 3 cycles", Effect::Delay(1500), Some(3), Expect::Tolerated),
             ("inputs 5 ms late", Effect::Delay(5000), None, Expect::Open),
             ("inputs doubled", Effect::Duplicate, Some(20), Expect::Tolerated),
             ("inputs in another order", Effect::Reorder, Some(3), Expect::Open),
-            ("inputs corrupted", Effect::Corrupt, None, Expect::Cycles),
             ("inputs altered", Effect::Alter([0x40; 8]), Some(2), Expect::Open),
         ] {
             let mut injection = with(&lost, effect);
@@ -188,7 +200,6 @@ impl List<'_> {
             }
             self.add(format!("{name}: {what}"), injection, expect);
         }
-        let bus = usize::from(node.bus);
         let off = Injection::BusOff { bus, node: Some(index) };
         self.add(format!("{name}: bus-off"), off, Expect::Open);
         let stopped = Frame::new(node.id.heartbeat(), &[4]);
@@ -206,8 +217,10 @@ impl List<'_> {
         ] {
             self.add(format!("{name}: {what}"), Injection::Node(index, fault), expect);
         }
-        let Some(command) = node.receive.first().map(|pdo| pdo.cob_id) else { return };
-        let ids = u32::from(command)..=u32::from(command);
+        let torque = |entry: &Entry| entry.signal == Signal::Torque;
+        let carries = |pdo: &&Pdo| pdo.entries().iter().any(torque);
+        let Some(pdo) = node.receive.iter().find(carries) else { return };
+        let ids = u32::from(pdo.cob_id)..=u32::from(pdo.cob_id);
         let deaf = self.wire(index, ids, true);
         self.cases.push(Case {
             name: format!("{name}: commands dropped"),
@@ -216,11 +229,12 @@ impl List<'_> {
             reaches_drives: false,
             reaches_legs: true,
         });
-        let most = Frame::new(command, &[0xFF, 0x7F, 0x0F, 0, 0xFF, 0x7F, 0xFF, 0x7F]);
-        let bytes = node.receive.first().map_or(0, |pdo| pdo.bytes());
-        let most = Frame::new(command, most.bytes().get(..bytes).unwrap_or_default());
-        let spoof = Injection::Spoof(usize::from(node.bus), vec![most; 8]);
-        self.add(format!("{name}: forged command"), spoof, Expect::Cycles);
+        // It collides with the master's own.
+        let most = [0xFF, 0x7F, 0x0F, 0, 0xFF, 0x7F, 0xFF, 0x7F];
+        let most = Frame::new(pdo.cob_id, most.get(..pdo.bytes()).unwrap_or_default());
+        let bus = usize::from(node.bus);
+        let spoof = Injection::Spoof(bus, vec![most; 8]);
+        self.add_jam(format!("{name}: forged command"), spoof, Expect::Cycles, bus);
     }
 
     fn of_sensor(&mut self, index: usize, node: &Node) {
@@ -323,8 +337,12 @@ impl List<'_> {
             for (second, b) in nodes.iter().enumerate().skip(first + 1) {
                 if a.bus == b.bus {
                     let name = format!("{} and {} have each other's node-ID", a.name, b.name);
-                    let other = a.kind != b.kind;
-                    let expect = if other { Expect::Blocked } else { Expect::Open };
+                    let expects = |node: &Node| {
+                        let steps = node.setup.iter().copied();
+                        steps.filter(|s| matches!(s, SdoStep::Expect { .. })).collect::<Vec<_>>()
+                    };
+                    let told_apart = expects(a) != expects(b);
+                    let expect = if told_apart { Expect::Blocked } else { Expect::Open };
                     pairs.push((name, Injection::Swapped(first, second), expect));
                 }
             }

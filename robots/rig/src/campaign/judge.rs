@@ -171,7 +171,9 @@ where
                 );
                 let master = self.world.master(*bus).filter(|_| from.is_some() && receives);
                 let to = to.and_then(|node| self.world.endpoint(node)).map(|(_, at)| at).or(master);
-                let until = cycles.map_or(u64::MAX, |cycles| now + u64::from(cycles) * period);
+                // All frames of a cycle, however late: not a cycle more.
+                let lasts = |cycles| now + u64::from(cycles) * period - period / 2;
+                let until = cycles.map_or(u64::MAX, lasts);
                 let select = Select {
                     ids: ids.clone(),
                     from,
