@@ -79,10 +79,10 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Command<T, N,
     }
 }
 
-/// Whether all entries are finite: x − x is zero, or not a number.
+/// Whether all entries are finite: 0·x is zero, or not a number.
 ///
 /// A conjunction of comparisons would do as well, but some compilers (LLVM 22 in `VectorCombine`) do not
 /// come to an end over those of fifteen coordinates.
 pub(crate) fn finite<T: Ordered, const L: usize>(vector: &SVector<T, L>) -> bool {
-    vector.iter().fold(T::zero(), |sum, &x| sum + (x - x)) == T::zero()
+    vector.iter().fold(T::zero(), |sum, &x| sum + x * T::zero()) == T::zero()
 }
