@@ -23,7 +23,7 @@ mod trials;
 pub use any_robot::{AnyRobot, Driven, Planned, Supported};
 pub use error::Error;
 pub use experiment::{Errors, Experiment, Fall, Sample};
-pub use loops::run;
+pub use loops::{circumstances, run};
 pub use onsets::OnsetOf;
 pub use report::{run_page, trace};
 pub use rows::{HEAD, MergeError, Row, merge};

@@ -59,19 +59,7 @@ impl<'a, const N: usize, const NX: usize, const NS: usize> Loops<'a, N, NX, NS> 
 
     /// The plant of the task, with further parameters set.
     pub(crate) fn plant(&self, set: &[(&str, f64)]) -> Result<Box<System<N>>, Refusal> {
-        let simulation = &self.task.simulation;
-        let own = simulation.plant.iter().map(|(name, value)| (name.value.clone(), *value));
-        let mut all: Vec<(String, f64)> = own.collect();
-        for (name, value) in set {
-            all.retain(|(other, _)| other != name);
-            all.push(((*name).to_owned(), *value));
-        }
-        let model = simulation.plant_model.as_ref();
-        let place = simulation.plant.first().map(|(name, _)| &name.place);
-        let place = model.map(|model| &model.place).or(place);
-        let plant = self.subject.plants.plant(model.map(|model| model.value.as_str()), &all);
-        let plant = plant.and_then(|plant| plant.of::<N>());
-        plant.map_err(|refusal| refusal.at(place.map_or("", String::as_str)))
+        plant(self.subject, self.task, set)
     }
 
     /// One run; samples per second are recorded, or the first and the last only.
@@ -126,6 +114,39 @@ impl<'a, const N: usize, const NX: usize, const NS: usize> Loops<'a, N, NX, NS> 
             other => other.into(),
         })
     }
+}
+
+/// The plant of a task, with further parameters set.
+fn plant<const N: usize, const NX: usize, const NS: usize>(
+    subject: Subject<'_, N, NX, NS>,
+    task: &Task,
+    set: &[(&str, f64)],
+) -> Result<Box<System<N>>, Refusal> {
+    let simulation = &task.simulation;
+    let own = simulation.plant.iter().map(|(name, value)| (name.value.clone(), *value));
+    let mut all: Vec<(String, f64)> = own.collect();
+    for (name, value) in set {
+        all.retain(|(other, _)| other != name);
+        all.push(((*name).to_owned(), *value));
+    }
+    let model = simulation.plant_model.as_ref();
+    let place = simulation.plant.first().map(|(name, _)| &name.place);
+    let place = model.map(|model| &model.place).or(place);
+    let plant = subject.plants.plant(model.map(|model| model.value.as_str()), &all);
+    let plant = plant.and_then(|plant| plant.of::<N>());
+    plant.map_err(|refusal| refusal.at(place.map_or("", String::as_str)))
+}
+
+/// What a task says of its simulation: the plant, and what happens to it.
+///
+/// # Errors
+///
+/// A task that makes no sense for the robot.
+pub fn circumstances<const N: usize, const NX: usize, const NS: usize>(
+    subject: Subject<'_, N, NX, NS>,
+    task: &Task,
+) -> Result<(Box<System<N>>, Scenario<NX, NS>), Error> {
+    Ok((plant(subject, task, &[])?, scenario(subject.model, &task.simulation)?))
 }
 
 /// Steps of `period` per recorded instant.

@@ -17,6 +17,15 @@ pub enum Error {
         /// Those of the robot.
         expected: usize,
     },
+    /// More coordinates than a drive has telemetry of.
+    TooLarge {
+        /// Those of the robot.
+        coordinates: usize,
+    },
+    /// The task, or what it says of its simulation, does not fit the robot.
+    Task(shapebot_experiments::Error),
+    /// The simulated plant is refused.
+    Plant(shapebot_sim::Error),
     /// Buses that do not fit the drive, or cannot be opened as they are named.
     Buses(String),
     /// A bus failed.
@@ -48,6 +57,11 @@ impl fmt::Display for Error {
             Self::Coordinates { found, expected } => {
                 write!(f, "the drive has {found} coordinates, the robot {expected}")
             }
+            Self::TooLarge { coordinates } => {
+                write!(f, "a drive has telemetry of 8 coordinates, the robot has {coordinates}")
+            }
+            Self::Task(error) => write!(f, "{error}"),
+            Self::Plant(error) => write!(f, "{error}"),
             Self::Buses(what) => f.write_str(what),
             Self::Bus(error) => write!(f, "{error}"),
             Self::Runtime(error) => write!(f, "{error}"),
@@ -81,6 +95,18 @@ impl std::error::Error for Error {
             Self::Socket(error) => Some(error),
             _ => None,
         }
+    }
+}
+
+impl From<shapebot_experiments::Error> for Error {
+    fn from(error: shapebot_experiments::Error) -> Self {
+        Self::Task(error)
+    }
+}
+
+impl From<shapebot_sim::Error> for Error {
+    fn from(error: shapebot_sim::Error) -> Self {
+        Self::Plant(error)
     }
 }
 

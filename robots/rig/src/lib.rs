@@ -4,6 +4,7 @@
 //! - [`Body`]: the plant of `shapebot-sim` with legs, as what the simulated motors and sensors are on.
 //! - [`Buses`]: the buses of a drive together; in virtual time ([`network`]) or real ([`Wired`]).
 //! - [`Job`] takes a robot, its drive and a plan through a task, by itself or under an operator.
+//! - [`OnDrive`] does so with robots whose sizes are known when the program runs.
 //! - [`serve`] lets a runtime work on buses; [`run`] takes it through a whole task.
 //! - [`DriveSim`] is the other side in real time: simulated nodes on real or virtual interfaces.
 //! - [`campaign`] injects faults in every state, and judges what follows.
@@ -15,6 +16,8 @@ mod buses;
 pub mod campaign;
 mod drive_sim;
 mod error;
+#[cfg(unix)]
+mod on_drive;
 pub mod operator;
 mod serve;
 mod session;
@@ -26,6 +29,8 @@ pub use bus_list::BusList;
 pub use buses::{Buses, Wired};
 pub use drive_sim::DriveSim;
 pub use error::Error;
+#[cfg(unix)]
+pub use on_drive::{Log, OnDrive};
 pub use serve::{serve, serve_with};
 pub use session::{Cycle, Outcome, Script, Stage, run};
 pub use task::Job;
