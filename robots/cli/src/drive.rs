@@ -1,16 +1,14 @@
 //! Drives: what the user names, checked against the robot that it drives.
 
 use crate::failure::{Failure, Outcome};
-use crate::robot::{self, Dynamics, Source};
+use crate::robot;
 use shapebot_drive_build::{DriveDescription, Source as DriveSource};
 use shapebot_drives::DRIVES;
 use std::path::Path;
 
-/// A drive with its robot.
+/// A drive that fits its robot.
 pub(crate) struct Drive {
     pub(crate) description: DriveDescription,
-    pub(crate) source: Source,
-    pub(crate) robot: Box<dyn Dynamics>,
 }
 
 /// Opens a drive: a path or a name that ends in `.toml` is a file, everything else a bundled drive. The
@@ -34,5 +32,5 @@ pub(crate) fn open(name: &str, given: Option<&str>) -> Outcome<Drive> {
     };
     let robot = source.dynamics(&[])?;
     let description = drive.check(robot.description()).map_err(Failure::usage)?;
-    Ok(Drive { description, source, robot })
+    Ok(Drive { description })
 }

@@ -28,6 +28,8 @@ fn run(cli: &Cli) -> Outcome {
         Some(Command::Simulate(args)) => commands::simulate::run(args),
         Some(Command::Experiments(args)) => commands::experiments::run(&args.output),
         Some(Command::Robustness(args)) => commands::robustness::run(args),
+        Some(Command::Run(args)) => commands::run::run(args),
+        Some(Command::DriveSim(args)) => commands::run::drive_sim(args),
         Some(Command::Drive(args)) => commands::drive::run(args),
         Some(Command::Monitor(args)) => commands::operator::monitor(args),
         Some(Command::Command(args)) => commands::operator::command(args),

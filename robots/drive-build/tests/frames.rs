@@ -87,8 +87,9 @@ fn set_up_has_these_frames() {
         })
         .collect();
     #[rustfmt::skip]
-    let by_hand: [[u8; 8]; 42] = [
+    let by_hand: [[u8; 8]; 43] = [
         [0x40, 0x00, 0x10, 0, 0, 0, 0, 0],          // device type
+        [0x40, 0x18, 0x10, 4, 0, 0, 0, 0],          // serial number
         [0x23, 0x05, 0x10, 0, 0x80, 0, 0, 0],       // SYNC on 0x80
         [0x23, 0x06, 0x10, 0, 0xD0, 0x07, 0, 0],    // each 2000 us
         [0x2F, 0xC2, 0x60, 1, 2, 0, 0, 0],          // 2

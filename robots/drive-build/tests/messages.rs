@@ -48,7 +48,7 @@ fn messages_have_line_key_and_figure() {
             "ballbot3d",
             "id = 2\n",
             "id = 1\n",
-            "id = 1\nsign = -1",
+            "id = 1\nserial = 1002",
             "`node.back.id`: node-ID 1 is that of `front` too",
         ),
         (

@@ -66,6 +66,10 @@ pub(crate) enum Command {
     Table(FolderArgs),
     /// Verifies a plan file, and converts it
     Inspect(InspectArgs),
+    /// Takes a robot through a task over the frames of its drive
+    Run(RunArgs),
+    /// Simulates a robot and its drive on buses in real time
+    DriveSim(DriveSimArgs),
     /// Checks a drive description and shows what its buses carry
     Drive(DriveArgs),
     /// Shows the telemetry of a running robot
@@ -81,6 +85,7 @@ pub(crate) enum Command {
 mod closed_loop;
 mod drive;
 mod operator;
+mod run;
 
 pub(crate) use closed_loop::{
     FolderArgs, MergeArgs, RobustnessArgs, RobustnessCommand, SimulateArgs,
@@ -88,6 +93,7 @@ pub(crate) use closed_loop::{
 
 pub(crate) use drive::DriveArgs;
 pub(crate) use operator::{CommandArgs, LinkArgs, MonitorArgs, OrderArgs};
+pub(crate) use run::{DriveSimArgs, OnDriveArgs, RunArgs};
 
 const ROBOT_HELP: &str = "Model file, or name of a bundled robot";
 

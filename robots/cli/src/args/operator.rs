@@ -37,7 +37,8 @@ pub(crate) struct MonitorArgs {
     pub(crate) time: Option<f64>,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// A time in seconds.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     let time: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
     if (0.0..=1e9).contains(&time) { Ok(time) } else { Err("expected 0 or more".to_owned()) }
 }

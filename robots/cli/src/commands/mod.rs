@@ -12,5 +12,6 @@ pub(crate) mod operator;
 pub(crate) mod plan;
 pub(crate) mod robots;
 pub(crate) mod robustness;
+pub(crate) mod run;
 pub(crate) mod simulate;
 pub(crate) mod table;
