@@ -5,7 +5,6 @@ use super::binary::Header;
 use super::robot::RobotId;
 use crate::linear_algebra::{exceeds, norm};
 use crate::plan::Row;
-use core::marker::PhantomData;
 use nalgebra::SVector;
 use shapebot_dynamics::Ordered;
 
@@ -17,6 +16,10 @@ pub trait Stored: Ordered {
     fn read(bytes: &[u8]) -> Self;
     /// To the first [`SIZE`](Self::SIZE) bytes; nothing if there are fewer.
     fn write(self, bytes: &mut [u8]);
+    /// The integer part as an index; zero for what is negative or not a number.
+    fn to_index(self) -> usize;
+    /// An index as a number.
+    fn from_index(index: usize) -> Self;
 }
 
 macro_rules! stored {
@@ -32,6 +35,14 @@ macro_rules! stored {
                 if let Some(chunk) = bytes.first_chunk_mut::<$size>() {
                     *chunk = self.to_le_bytes();
                 }
+            }
+            #[inline]
+            fn to_index(self) -> usize {
+                self as usize
+            }
+            #[inline]
+            fn from_index(index: usize) -> Self {
+                index as $t
             }
         }
     };
@@ -70,7 +81,10 @@ pub struct PlanView<'a, T, const NX: usize, const NS: usize, const F: usize> {
     nodes: &'a [u8],
     header: Header,
     robot: RobotId<'a>,
-    scalar: PhantomData<T>,
+    // Of the header, in the plan's scalar: doubles are slow where only singles have hardware.
+    start: T,
+    end: T,
+    step: T,
 }
 
 impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'a, T, NX, NS, F> {
@@ -106,7 +120,9 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
         }
         let nodes = header.nodes(bytes)?;
         let robot = header.robot(bytes).ok_or(FileError::NotAPlan)?;
-        Ok(Self { nodes, header, robot, scalar: PhantomData })
+        let end = header.start + header.step * f64::from(header.nodes - 1);
+        let [start, end, step] = [header.start, end, header.step].map(T::from_f64);
+        Ok(Self { nodes, header, robot, start, end, step })
     }
 
     /// The robot that the plan is for.
@@ -116,12 +132,12 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
 
     /// When the plan opens, seconds since the motion's start.
     pub fn start_time(&self) -> T {
-        T::from_f64(self.header.start)
+        self.start
     }
 
     /// When the plan closes.
     pub fn end_time(&self) -> T {
-        T::from_f64(self.header.start + self.header.step * f64::from(self.header.nodes - 1))
+        self.end
     }
 
     /// Number of nodes.
@@ -141,17 +157,17 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
     /// The plan at time `t`, seconds since the motion's start. Before the plan and after it the robot
     /// stands as at its ends.
     pub fn at(&self, t: T) -> PlanState<T, NX, NS, F> {
-        let step = T::from_f64(self.header.step);
+        let step = self.step;
         let place = (t - self.start_time()) / step;
         let last = self.nodes() - 1;
         if !exceeds(place, T::zero()) {
             return self.resting(0, t == self.start_time());
         }
-        if place >= T::from_f64(last as f64) {
+        if place >= T::from_index(last) {
             return self.resting(last, t <= self.end_time());
         }
-        let node = (place.to_f64() as usize).min(last - 1);
-        let sigma = place - T::from_f64(node as f64);
+        let node = place.to_index().min(last - 1);
+        let sigma = place - T::from_index(node);
         let force = 3 * (NX + NS);
         PlanState {
             position: self.quintic(node, 0, sigma, step),
