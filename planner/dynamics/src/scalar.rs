@@ -50,6 +50,14 @@ pub trait Real:
 pub trait Ordered: Real + PartialOrd {
     /// As a double.
     fn to_f64(self) -> f64;
+    /// In single precision.
+    fn to_f32(self) -> f32 {
+        self.to_f64() as f32
+    }
+    /// From single precision.
+    fn from_f32(value: f32) -> Self {
+        Self::from_f64(f64::from(value))
+    }
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool {
         self.to_f64().is_finite()
@@ -114,6 +122,18 @@ macro_rules! float {
             #[inline]
             fn to_f64(self) -> f64 {
                 f64::from(self)
+            }
+            #[inline]
+            fn to_f32(self) -> f32 {
+                self as f32
+            }
+            #[inline]
+            fn from_f32(value: f32) -> Self {
+                Self::from(value)
+            }
+            #[inline]
+            fn is_finite(self) -> bool {
+                <$t>::is_finite(self)
             }
             #[inline]
             fn epsilon() -> Self {

@@ -10,14 +10,18 @@ pub(crate) fn solve_definite<T: Ordered, const N: usize>(
 ) -> SVector<T, N> {
     for column in 0..N {
         let reciprocal = T::one() / a[(column, column)];
+        let known = b[column];
+        let own: SVector<T, N> = a.column(column).into();
+        let factors = own * reciprocal;
         for row in column + 1..N {
-            let factor = a[(row, column)] * reciprocal;
-            for k in column + 1..=row {
-                let upper = a[(k, column)];
-                a[(row, k)] -= factor * upper;
+            b[row] -= factors[row] * known;
+        }
+        // Column by column: of ranges that end with N the compiler sees that no index can panic.
+        for k in column + 1..N {
+            let upper = own[k];
+            for row in k..N {
+                a[(row, k)] -= factors[row] * upper;
             }
-            let known = b[column];
-            b[row] -= factor * known;
         }
         // Column of L D stays below the diagonal, for the way back.
         b[column] *= reciprocal;

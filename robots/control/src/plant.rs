@@ -98,12 +98,18 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Plant<T, N, N
         (motion, drag): &(Motion<T, N>, SVector<T, N>),
         qsdd: &SVector<T, NS>,
     ) -> SVector<T, NX> {
-        let mass = &motion.mass_matrix;
-        let rows = SMatrix::<T, NX, NX>::from_fn(|i, j| mass[(self.free[i], j)]);
+        // Rows are below N, which the compiler does not know: an index could panic.
+        let entry = |vector: &SVector<T, N>, row: usize| vector.get(row).copied();
+        let bias = |row: usize| {
+            let (coriolis, gravity) = (&motion.coriolis_vector, &motion.gravity);
+            Some(entry(coriolis, row)? + entry(gravity, row)? - entry(drag, row)?)
+        };
+        let mass = |at: (usize, usize)| motion.mass_matrix.get(at).copied().unwrap_or(T::zero());
+        let rows = SMatrix::<T, NX, NX>::from_fn(|i, j| mass((self.free[i], j)));
         let rest = SVector::<T, NX>::from_fn(|i, _| {
             let row = self.free[i];
-            let bias = motion.coriolis_vector[row] + motion.gravity[row] - drag[row];
-            (0..NS).fold(bias, |sum, j| sum + mass[(row, NX + j)] * qsdd[j])
+            let bias = bias(row).unwrap_or(T::zero());
+            (0..NS).fold(bias, |sum, j| sum + mass((row, NX + j)) * qsdd[j])
         });
         solve_near_identity(self.coupling * rows, -(self.coupling * rest))
     }

@@ -170,16 +170,17 @@ impl DataType {
     /// The value whose low bytes, from the first, are given; missing bytes count as zero.
     #[must_use]
     pub fn decode(self, bytes: &[u8]) -> i64 {
-        let mut raw = [0; 4];
-        for (to, from) in raw.iter_mut().zip(bytes).take(self.bytes()) {
-            *to = *from;
-        }
-        let raw = u32::from_le_bytes(raw);
+        // Byte by byte: a loop becomes a call, for two bytes.
+        let at = |index: usize| bytes.get(index).copied().unwrap_or(0);
+        let short = || [at(0), at(1)];
+        let long = || [at(0), at(1), at(2), at(3)];
         match self {
-            Self::I8 => i64::from(raw as u8 as i8),
-            Self::I16 => i64::from(raw as u16 as i16),
-            Self::I32 => i64::from(raw as i32),
-            Self::U8 | Self::U16 | Self::U32 => i64::from(raw),
+            Self::I8 => i64::from(at(0) as i8),
+            Self::I16 => i64::from(i16::from_le_bytes(short())),
+            Self::I32 => i64::from(i32::from_le_bytes(long())),
+            Self::U8 => i64::from(at(0)),
+            Self::U16 => i64::from(u16::from_le_bytes(short())),
+            Self::U32 => i64::from(u32::from_le_bytes(long())),
         }
     }
 

@@ -1,6 +1,7 @@
 //! The drive unit turns against the body.
 
 use core::f32::consts::{PI, TAU};
+use shapebot_dynamics::Real;
 
 /// A rotation in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +17,7 @@ impl Rotation {
     /// By the angle of the drive unit against the body, rad.
     #[must_use]
     pub fn of(yaw: f32) -> Self {
-        let (sin, cos) = libm::sincosf(yaw);
+        let (sin, cos) = Real::sin_cos(yaw);
         Self { cos, sin }
     }
 

@@ -257,7 +257,7 @@ where
         let mut forces = [0.0; MAX_AXES];
         if let Some(command) = command {
             for (to, force) in forces.iter_mut().zip(&command.actuator) {
-                *to = force.to_f64() as f32;
+                *to = force.to_f32();
             }
         }
         shapebot_drive::Command::new(&forces)

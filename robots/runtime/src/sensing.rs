@@ -68,9 +68,9 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Sensing<T, N,
     ) -> State<T, N> {
         let c = T::from_f64;
         let rates: SVector<T, NS> =
-            SVector::from_fn(|i, _| c(f64::from(measurement.velocity(NX + i))));
+            SVector::from_fn(|i, _| T::from_f32(measurement.velocity(NX + i)));
         let late: SVector<T, NS> =
-            SVector::from_fn(|i, _| c(f64::from(measurement.age(NX + i).min(CARRIED))));
+            SVector::from_fn(|i, _| T::from_f32(measurement.age(NX + i).min(CARRIED).into()));
         let sampled: SVector<T, NS> = SVector::from_fn(|i, _| c(measurement.position(NX + i)));
         let shape = sampled + rates.component_mul(&late) * self.period;
         let mut position = SVector::<T, NX>::from_element(T::zero());

@@ -8,10 +8,12 @@
 #![forbid(unsafe_code)]
 
 mod digest;
+mod full_step;
 mod inputs;
 mod steps;
 
 pub use digest::Digest;
+pub use full_step::FullStep;
 pub use inputs::Inputs;
 pub use steps::{ArmsMotion, PlanEvaluation, SineCosine, all};
 

@@ -1,6 +1,6 @@
 //! The computations.
 
-use crate::{Digest, Inputs, Outcome, Step, run};
+use crate::{Digest, FullStep, Inputs, Outcome, Step, full_step, run};
 use shapebot_dynamics::nalgebra::SVector;
 use shapebot_dynamics::{LagrangianSystem, Motion, Real};
 use shapebot_generated::ballbot3d_arms::{Ballbot3dArms, DESCRIPTION};
@@ -11,9 +11,17 @@ use shapebot_planner::{Desired, PlanPoint, Row};
 pub fn all(count: u32, clock: &mut impl FnMut() -> u32, pass: &mut impl FnMut(Outcome)) {
     pass(run(SineCosine::new(), count, &mut *clock));
     pass(run(ArmsMotion::new(), count, &mut *clock));
-    let file = plan_file();
+    let file = plan_file::<6, PLAN_BYTES>(1.0);
     if let Ok(plan) = PlanView::open_any(&file) {
         pass(run(PlanEvaluation::new(plan), count, &mut *clock));
+    }
+    // A step that does not begin is missing in the report.
+    let file = plan_file::<8, ROBOT_PLAN_BYTES>(0.0);
+    let (robot, table) = (full_step::Robot::default(), &shapebot_answers::ballbot3d_arms::DRIVE);
+    if let Ok(plan) = PlanView::open_any(&file)
+        && let Some(step) = FullStep::new(&robot, table, plan)
+    {
+        pass(run(step, count, &mut *clock));
     }
 }
 
@@ -107,24 +115,30 @@ const NODES: usize = 9;
 /// Bytes of the plan.
 const PLAN_BYTES: usize = encoded_len::<f32, 2, 6, 6>(NODES);
 
-/// A plan of four seconds with arbitrary contents.
-fn plan_file() -> [u8; PLAN_BYTES] {
+/// The same with a force for each coordinate, as runtimes have it.
+const ROBOT_PLAN_BYTES: usize = encoded_len::<f32, 2, 6, 8>(NODES);
+
+/// A plan of four seconds with arbitrary contents; its first node is `start` times what it would be.
+fn plan_file<const F: usize, const BYTES: usize>(start: f32) -> [u8; BYTES] {
     let mut inputs = Inputs::new();
-    let mut file = [0; PLAN_BYTES];
-    let rows = (0..NODES).map(|node| row(node as f32 * 0.5, &mut inputs));
+    let mut file = [0; BYTES];
+    let rows = (0..NODES).map(|node| {
+        let scale = if node == 0 { start } else { 1.0 };
+        row(node as f32 * 0.5, scale, &mut inputs)
+    });
     let mut forces = Inputs::new();
-    let force = |_: &Row<f32, 2, 6>| SVector::<f32, 6>::from(forces.within(10.0));
+    let force = |_: &Row<f32, 2, 6>| SVector::<f32, F>::from(forces.within(10.0));
     // Cannot fail: the buffer is as long as it is said to be and all numbers are finite. A plan that
     // is not written would not open, and its line would be missing.
     let robot = RobotId::of(&DESCRIPTION);
-    let _ = encode::<f32, f32, 2, 6, 6>(&robot, rows, 1, force, &mut file);
+    let _ = encode::<f32, f32, 2, 6, F>(&robot, rows, 1, force, &mut file);
     file
 }
 
-fn row(time: f32, inputs: &mut Inputs) -> Row<f32, 2, 6> {
-    let mut positions = || SVector::from(inputs.within::<2>(1.0));
+fn row(time: f32, scale: f32, inputs: &mut Inputs) -> Row<f32, 2, 6> {
+    let mut positions = || SVector::from(inputs.within::<2>(1.0)) * scale;
     let position = [positions(), positions(), positions()];
-    let mut shapes = || SVector::from(inputs.within::<6>(0.5));
+    let mut shapes = || SVector::from(inputs.within::<6>(0.5)) * scale;
     let desired = Desired { output: [position[0]; 5], position: [position[0]; 5] };
     let plan = PlanPoint {
         time,

@@ -9,7 +9,7 @@ use shapebot_drive::{
 };
 
 /// An example of tables.
-fn tables() -> DriveTable<'static> {
+pub(crate) fn tables() -> DriveTable<'static> {
     let timing = Timing {
         period_us: 0,
         input_window_us: 0,

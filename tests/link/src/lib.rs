@@ -6,6 +6,7 @@
 
 mod drive;
 mod plan;
+mod runtime;
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
@@ -34,6 +35,9 @@ fn everything() {
     plan::of_any_bytes::<f32, 2, 2, 2>();
     plan::of_any_bytes::<f32, 2, 6, 6>();
     plan::of_any_bytes::<f64, 2, 6, 6>();
+    runtime::controller_of_any_numbers();
+    runtime::runtime_of_any_tables();
+    runtime::operator_of_any_bytes();
     drive::master_of_any_tables();
     drive::slcan_of_any_bytes();
     #[cfg(feature = "planted")]

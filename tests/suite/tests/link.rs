@@ -5,7 +5,8 @@ use shapebot_tests::environment::{read, root, skip};
 use std::path::Path;
 use std::process::{Command, Output};
 
-const FILES: [&str; 5] = ["Cargo.toml", "src/lib.rs", "src/drive.rs", "src/plan.rs", "memory.c"];
+const FILES: [&str; 6] =
+    ["Cargo.toml", "src/lib.rs", "src/drive.rs", "src/plan.rs", "src/runtime.rs", "memory.c"];
 
 /// A copy of `tests/link` that is built with the versions of the checkout's lock.
 fn copy(folder: &Path) {

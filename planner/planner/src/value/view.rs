@@ -16,10 +16,10 @@ pub trait Stored: Ordered {
     fn read(bytes: &[u8]) -> Self;
     /// To the first [`SIZE`](Self::SIZE) bytes; nothing if there are fewer.
     fn write(self, bytes: &mut [u8]);
-    /// The whole part of a number that is not negative; the nearest there is where it does not fit.
-    fn whole(self) -> usize;
-    /// The nearest number to a count.
-    fn of(count: usize) -> Self;
+    /// The integer part as an index; zero for what is negative or not a number.
+    fn to_index(self) -> usize;
+    /// An index as a number.
+    fn from_index(index: usize) -> Self;
 }
 
 macro_rules! stored {
@@ -37,12 +37,12 @@ macro_rules! stored {
                 }
             }
             #[inline]
-            fn whole(self) -> usize {
+            fn to_index(self) -> usize {
                 self as usize
             }
             #[inline]
-            fn of(count: usize) -> Self {
-                count as $t
+            fn from_index(index: usize) -> Self {
+                index as $t
             }
         }
     };
@@ -81,11 +81,10 @@ pub struct PlanView<'a, T, const NX: usize, const NS: usize, const F: usize> {
     nodes: &'a [u8],
     header: Header,
     robot: RobotId<'a>,
-    /// Start, end, step and last node of the header: evaluation knows no other scalar than T.
+    // Of the header, in the plan's scalar: doubles are slow where only singles have hardware.
     start: T,
     end: T,
     step: T,
-    last: T,
 }
 
 impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'a, T, NX, NS, F> {
@@ -121,16 +120,9 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
         }
         let nodes = header.nodes(bytes)?;
         let robot = header.robot(bytes).ok_or(FileError::NotAPlan)?;
-        let last = f64::from(header.nodes - 1);
-        Ok(Self {
-            nodes,
-            header,
-            robot,
-            start: T::from_f64(header.start),
-            end: T::from_f64(header.start + header.step * last),
-            step: T::from_f64(header.step),
-            last: T::from_f64(last),
-        })
+        let end = header.start + header.step * f64::from(header.nodes - 1);
+        let [start, end, step] = [header.start, end, header.step].map(T::from_f64);
+        Ok(Self { nodes, header, robot, start, end, step })
     }
 
     /// The robot that the plan is for.
@@ -166,16 +158,16 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
     /// stands as at its ends.
     pub fn at(&self, t: T) -> PlanState<T, NX, NS, F> {
         let step = self.step;
-        let place = (t - self.start) / step;
+        let place = (t - self.start_time()) / step;
         let last = self.nodes() - 1;
         if !exceeds(place, T::zero()) {
             return self.resting(0, t == self.start_time());
         }
-        if place >= self.last {
+        if place >= T::from_index(last) {
             return self.resting(last, t <= self.end_time());
         }
-        let node = place.whole().min(last - 1);
-        let sigma = place - T::of(node);
+        let node = place.to_index().min(last - 1);
+        let sigma = place - T::from_index(node);
         let force = 3 * (NX + NS);
         PlanState {
             position: self.quintic(node, 0, sigma, step),

@@ -23,7 +23,8 @@ impl<'a> Master<'a> {
     pub(super) fn boot(&mut self, now: u64, out: Send<'_>) {
         let table = self.table;
         for (index, node) in table.nodes.iter().enumerate() {
-            let Some(state) = self.nodes.get(index).copied() else { continue };
+            let waits = |state: &&NodeState| !matches!(state.phase, Phase::Running | Phase::Failed);
+            let Some(state) = self.nodes.get(index).filter(waits).copied() else { continue };
             let (phase, fault) = self.boot_step(node, &state, now, out);
             if let Some(state) = self.nodes.get_mut(index) {
                 if phase == Phase::Running && state.phase != Phase::Running {

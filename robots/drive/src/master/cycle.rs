@@ -1,12 +1,13 @@
 //! The cycle: SYNC, and what was missing since the last.
 
-use super::{Master, Send, synchronous};
+use super::node::NodeState;
+use super::{Master, Send};
 use crate::cia402;
 use crate::fault::Fault;
 use crate::frame::Frame;
 use crate::id::SYNC;
 use crate::safety::State;
-use crate::table::Role;
+use crate::table::{NodeTable, Role};
 
 impl Master<'_> {
     /// Ends the cycle before and begins the next with SYNC.
@@ -62,9 +63,12 @@ impl Master<'_> {
 
     fn count_missed(&mut self, now: u64) {
         let (warning, limit) = (self.table.timing.missed_warning, self.table.timing.missed_fault);
-        for (index, table) in self.table.nodes.iter().enumerate() {
-            let Some(state) = self.nodes.get_mut(index) else { continue };
-            let expected = synchronous(table.transmit);
+        for index in 0..self.table.nodes.len() {
+            let (Some(state), Some(&expected)) =
+                (self.nodes.get_mut(index), self.expected.get(index))
+            else {
+                continue;
+            };
             let waited_for = state.is_running() && state.synchronised;
             if !waited_for || state.received & expected == expected {
                 state.missed = 0;
@@ -88,43 +92,46 @@ impl Master<'_> {
             return;
         }
         for (index, table) in self.table.nodes.iter().enumerate() {
-            let Some(node) = self.nodes.get(index).copied() else { continue };
-            if !node.is_running() {
+            let Some(node) = self.nodes.get(index).filter(|node| node.is_running()) else {
                 continue;
-            }
-            match table.role {
-                Role::Drive if node.received != 0 => {
-                    let state = node.drive_state();
-                    let word = u32::from(node.statusword);
-                    if state.is_fault() || node.error_register & 1 != 0 {
-                        self.raise(Fault::DriveFault, Some(index), now, word);
-                    } else if self.state.permits_torque()
-                        && state != cia402::State::OperationEnabled
-                    {
-                        self.raise(Fault::NotEnabled, Some(index), now, word);
-                    }
-                    if !node.is_in_mode(table) {
-                        self.raise(Fault::WrongMode, Some(index), now, node.mode as u8 as u32);
-                    }
-                }
-                Role::Imu | Role::Encoder => {
-                    if node.health != 0 {
-                        self.raise(Fault::SensorUnhealthy, Some(index), now, node.health.into());
-                    }
-                    if node.stale >= self.table.safety.stale_fault {
-                        self.raise(Fault::SensorStale, Some(index), now, node.stale.into());
-                    }
-                }
-                Role::Legs => {
-                    if let Some(legs) = node.legs.filter(|legs| legs.is_faulty()) {
-                        self.raise(Fault::Legs, Some(index), now, legs.0.into());
-                    }
-                }
-                Role::Drive => {}
+            };
+            for (fault, detail) in self.complaints(table, node).into_iter().flatten() {
+                self.raise(fault, Some(index), now, detail);
             }
         }
         self.check_pairs(now);
         self.check_lean(now);
+    }
+
+    /// What is wrong with a running node.
+    fn complaints(&self, table: &NodeTable<'_>, node: &NodeState) -> [Option<(Fault, u32)>; 2] {
+        match table.role {
+            Role::Drive if node.received != 0 => {
+                let state = node.drive_state();
+                let word = u32::from(node.statusword);
+                let enabled = state == cia402::State::OperationEnabled;
+                let power = if state.is_fault() || node.error_register & 1 != 0 {
+                    Some((Fault::DriveFault, word))
+                } else {
+                    (self.state.permits_torque() && !enabled).then_some((Fault::NotEnabled, word))
+                };
+                let mode = node.mode as u8 as u32;
+                [power, (!node.is_in_mode(table)).then_some((Fault::WrongMode, mode))]
+            }
+            Role::Drive => [None; 2],
+            Role::Imu | Role::Encoder => {
+                let (health, stale) = (node.health, node.stale);
+                let limit = self.table.safety.stale_fault;
+                [
+                    (health != 0).then_some((Fault::SensorUnhealthy, health.into())),
+                    (stale >= limit).then_some((Fault::SensorStale, stale.into())),
+                ]
+            }
+            Role::Legs => {
+                let faulty = node.legs.filter(|legs| legs.is_faulty());
+                [faulty.map(|legs| (Fault::Legs, legs.0.into())), None]
+            }
+        }
     }
 
     /// Drives of one axis go the same way.
@@ -135,11 +142,11 @@ impl Master<'_> {
         for axis in self.table.axes {
             let mut moved = axis.drives.iter().filter_map(|drive| {
                 let node = self.nodes.get(usize::from(*drive))?;
-                Some((*drive, node.position - node.origin))
+                Some((*drive, node.moved()))
             });
             let Some((_, first)) = moved.next() else { continue };
-            let tolerance = f64::from(axis.pair_tolerance);
-            let apart = |(_, other): &(u8, f64)| libm::fabs(other - first) > tolerance;
+            let tolerance = axis.pair_tolerance;
+            let apart = |(_, other): &(u8, f32)| libm::fabsf(other - first) > tolerance;
             if let Some((drive, _)) = moved.find(apart) {
                 self.raise(Fault::PairDisagrees, Some(drive.into()), now, 0);
             }
@@ -152,8 +159,8 @@ impl Master<'_> {
         }
         let limit = self.table.safety.lean_limit;
         for lean in self.table.safety.lean {
-            let value = self.measurement.position(usize::from(*lean));
-            if libm::fabs(value) > f64::from(limit) {
+            let value = self.measurement.position(usize::from(*lean)) as f32;
+            if libm::fabsf(value) > limit {
                 self.raise(Fault::Lean, None, now, (*lean).into());
             }
         }

@@ -1,7 +1,7 @@
 //! Inputs: what nodes send after SYNC.
 
-use super::node::NodeState;
-use super::{Master, synchronous};
+use super::Master;
+use super::node::{NodeState, single};
 use crate::fault::Fault;
 use crate::frame::Frame;
 use crate::legs::LegsState;
@@ -108,15 +108,15 @@ impl Master<'_> {
 
     fn signal(&mut self, index: usize, entry: &Entry, raw: i64, now: u64) {
         let Some(node) = self.nodes.get_mut(index) else { return };
-        let value = raw as f32 * entry.scale;
+        let value = || single(raw) * entry.scale;
         let measurement = &mut self.measurement;
         match entry.signal {
             Signal::Statusword => node.statusword = raw as u16,
             Signal::ModeDisplay => node.mode = raw as i8,
             Signal::ErrorRegister => node.error_register = raw as u8,
             Signal::Position => position(node, entry, raw),
-            Signal::Velocity => node.velocity = Some(value),
-            Signal::ActualTorque => node.torque = value,
+            Signal::Velocity => node.velocity = Some(value()),
+            Signal::ActualTorque => node.torque = value(),
             Signal::Health => node.health = raw as u8,
             Signal::LegsState => node.legs = Some(LegsState(raw as u8)),
             Signal::Sequence => {
@@ -140,10 +140,10 @@ impl Master<'_> {
                 set(&mut measurement.position, at.into(), raw as f64 * f64::from(entry.scale));
                 set(&mut measurement.age, at.into(), 0);
             }
-            Signal::Rate(at) => set(&mut measurement.velocity, at.into(), value),
-            Signal::Heading => measurement.heading = value,
-            Signal::HeadingRate => measurement.heading_rate = value,
-            Signal::Yaw => measurement.yaw = value,
+            Signal::Rate(at) => set(&mut measurement.velocity, at.into(), value()),
+            Signal::Heading => measurement.heading = value(),
+            Signal::HeadingRate => measurement.heading_rate = value(),
+            Signal::Yaw => measurement.yaw = value(),
             Signal::Gap
             | Signal::Controlword
             | Signal::Mode
@@ -160,11 +160,10 @@ impl Master<'_> {
             return false;
         }
         let late = now.saturating_sub(self.last_sync) >= self.table.timing.input_window_us.into();
-        let there = |(table, node): (&crate::NodeTable<'_>, &NodeState)| {
-            let expected = synchronous(table.transmit);
-            !node.is_running() || node.received & expected == expected
+        let there = |(expected, node): (&u8, &NodeState)| {
+            !node.is_running() || node.received & expected == *expected
         };
-        late || self.table.nodes.iter().zip(&self.nodes).all(there)
+        late || self.expected.iter().zip(&self.nodes).all(there)
     }
 
     /// The inputs of this cycle; what did not come keeps its value and grows older.
@@ -197,9 +196,9 @@ impl Master<'_> {
             else {
                 continue;
             };
-            *moved = if known { position - *last } else { 0.0 };
+            *moved = if known { (position - *last) as f32 } else { 0.0 };
             *last = position;
-            *rate = velocity.unwrap_or(*moved as f32 / (seconds * f32::from(cycles.max(1))));
+            *rate = velocity.unwrap_or(*moved / (seconds * f32::from(cycles.max(1))));
             let Some(coordinate) = axis.coordinate else { continue };
             let coordinate = usize::from(coordinate);
             if fresh {
@@ -231,7 +230,7 @@ impl Master<'_> {
         for drive in drives {
             let node = self.nodes.get(usize::from(*drive))?;
             node.counts?;
-            position += node.position;
+            position = if count == 0 { node.position() } else { position + node.position() };
             count = count.saturating_add(1);
             fresh |= node.received != 0;
             if let Some(rate) = node.velocity {
@@ -240,11 +239,16 @@ impl Master<'_> {
             }
         }
         let velocity = (rates > 0).then(|| velocity / f32::from(rates));
-        (count > 0).then(|| (position / f64::from(count), velocity, fresh))
+        let mean = match count {
+            0 | 1 => position,
+            2 => position * 0.5,
+            _ => position / f64::from(count),
+        };
+        (count > 0).then_some((mean, velocity, fresh))
     }
 
     /// Rates and displacements in the drive unit's plane, turned into the body's frame, then integrated.
-    fn turn_back(&mut self, moved: [f64; crate::MAX_AXES], rates: [f32; crate::MAX_AXES]) {
+    fn turn_back(&mut self, moved: [f32; crate::MAX_AXES], rates: [f32; crate::MAX_AXES]) {
         let Some(yaw) = self.table.yaw else { return };
         let [x, y] = yaw.plane;
         let coordinate = |axis: u8| self.table.axes.get(usize::from(axis))?.coordinate;
@@ -253,8 +257,7 @@ impl Master<'_> {
             values.get(usize::from(axis)).copied().unwrap_or(0.0)
         };
         let rate = self.rotation.into_body([at(&rates, x), at(&rates, y)]);
-        let steps = moved.map(|step| step as f32);
-        let step = self.rotation.into_body([at(&steps, x), at(&steps, y)]);
+        let step = self.rotation.into_body([at(&moved, x), at(&moved, y)]);
         for ((to, rate), (step, sum)) in
             [to_x, to_y].into_iter().zip(rate).zip(step.into_iter().zip(&mut self.plane))
         {
@@ -315,5 +318,6 @@ fn position(node: &mut NodeState, entry: &Entry, raw: i64) {
         }
     };
     node.counts = Some(raw);
-    node.position += step as f64 * f64::from(entry.scale);
+    node.unit = entry.scale;
+    node.travel = node.travel.saturating_add(step);
 }

@@ -67,6 +67,8 @@ pub struct Counters {
 pub struct Master<'a> {
     table: &'a DriveTable<'a>,
     nodes: [NodeState; MAX_NODES],
+    /// PDOs of each node that come each cycle, a bit each.
+    expected: [u8; MAX_NODES],
     /// Identifier with the bus above it, node and PDO of each input, sorted.
     lookup: [(u16, u8, u8); MAX_INPUTS],
     lookup_len: usize,
@@ -128,9 +130,14 @@ impl<'a> Master<'a> {
         if let Some(used) = lookup.get_mut(..lookup_len) {
             sort(used);
         }
+        let mut expected = [0; MAX_NODES];
+        for (mask, node) in expected.iter_mut().zip(table.nodes) {
+            *mask = synchronous(node.transmit);
+        }
         Self {
             table,
             nodes: [NodeState::NEW; MAX_NODES],
+            expected,
             lookup,
             lookup_len,
             state: State::Off,
@@ -163,8 +170,18 @@ impl<'a> Master<'a> {
         }
     }
 
-    /// Takes a frame that was received on a bus.
+    /// Takes a frame that was received on a bus. A fault acts at once, all else at the next
+    /// [`Self::poll`].
     pub fn receive(&mut self, bus: usize, frame: &Frame, now: u64) {
+        let faults = |master: &Self| (master.faults.bits(), master.faults.prevents_balance());
+        let before = faults(self);
+        self.take(bus, frame, now);
+        if faults(self) != before {
+            self.step(now);
+        }
+    }
+
+    fn take(&mut self, bus: usize, frame: &Frame, now: u64) {
         self.counters.received = self.counters.received.saturating_add(1);
         let Some(id) = frame.standard_id().filter(|_| !frame.is_remote()) else {
             self.counters.malformed = self.counters.malformed.saturating_add(1);
@@ -190,7 +207,6 @@ impl<'a> Master<'a> {
                 None => self.counters.unknown = self.counters.unknown.saturating_add(1),
             },
         }
-        self.step(now);
     }
 
     /// Sends what is due. Call it after each received frame and at [`Self::next_wake`].
@@ -425,27 +441,31 @@ impl<'a> Master<'a> {
                 .take(self.table.nodes.len())
                 .all(|(index, node)| test(index, node))
         };
-        let ready = all(&|index, node| {
+        // What a state does not look at is not computed: this is done several times in a cycle.
+        let starts = matches!(self.state, State::Off | State::LegsDown);
+        let enables = self.state == State::Enabling;
+        let is_ready = |index: usize, node: &NodeState| {
             let table = self.table.nodes.get(index);
             table.is_some_and(|table| node.is_ready(table))
-        });
-        let enabled = all(&|index, node| {
+        };
+        let is_enabled = |index: usize, node: &NodeState| {
             let table = self.table.nodes.get(index);
             table.is_none_or(|table| {
                 table.role != Role::Drive
                     || node.drive_state() == crate::cia402::State::OperationEnabled
                         && node.is_in_mode(table)
             })
-        });
-        let legs = self.legs();
-        let absent = self.legs_node().is_none();
+        };
+        let legs_node = self.legs_node();
+        let legs = legs_node.and_then(|index| self.nodes.get(index)?.legs);
+        let absent = legs_node.is_none();
         Inputs {
             request: self.request,
-            ready,
-            enabled,
+            ready: starts && all(&is_ready),
+            enabled: enables && all(&is_enabled),
             fault: self.faults.any(),
             can_balance: !self.faults.prevents_balance(),
-            upright: self.is_upright(),
+            upright: (starts || enables) && self.is_upright(),
             legs_down: absent || legs.is_some_and(LegsState::is_down),
             legs_up: absent || legs.is_some_and(LegsState::is_up),
             late: self

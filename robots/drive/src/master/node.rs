@@ -57,10 +57,12 @@ pub(super) struct NodeState {
     pub(super) controlword: u16,
     /// Position object, as it came.
     pub(super) counts: Option<i64>,
-    /// Position, in the coordinate's unit.
-    pub(super) position: f64,
-    /// Where it was when drives were enabled.
-    pub(super) origin: f64,
+    /// What the object went, counts, across its wraps.
+    pub(super) travel: i64,
+    /// The same when drives were enabled.
+    pub(super) origin: i64,
+    /// A count in the coordinate's unit, with its sign.
+    pub(super) unit: f32,
     /// Rate by the drive.
     pub(super) velocity: Option<f32>,
     pub(super) torque: f32,
@@ -87,8 +89,9 @@ impl NodeState {
         reset_cycles: 0,
         controlword: 0,
         counts: None,
-        position: 0.0,
-        origin: 0.0,
+        travel: 0,
+        origin: 0,
+        unit: 0.0,
         velocity: None,
         torque: 0.0,
         sequence: None,
@@ -96,6 +99,16 @@ impl NodeState {
         health: 0,
         legs: None,
     };
+
+    /// Position, in the coordinate's unit.
+    pub(super) fn position(&self) -> f64 {
+        self.travel as f64 * f64::from(self.unit)
+    }
+
+    /// Way since drives were enabled, in the coordinate's unit.
+    pub(super) fn moved(&self) -> f32 {
+        single(self.travel.saturating_sub(self.origin)) * self.unit
+    }
 
     pub(super) const fn is_running(&self) -> bool {
         matches!(self.phase, Phase::Running)
@@ -140,6 +153,11 @@ impl NodeState {
         };
         judge(step, answer)
     }
+}
+
+/// In single precision. Most numbers have 32 bits, for which there is an instruction.
+pub(super) fn single(value: i64) -> f32 {
+    i32::try_from(value).map_or_else(|_| value as f32, |value| value as f32)
 }
 
 fn judge(step: &SdoStep, answer: Answer) -> Verdict {

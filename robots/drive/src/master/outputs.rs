@@ -178,7 +178,7 @@ impl Master<'_> {
     /// Where drives are when they are enabled: pairs are compared from here on.
     pub(super) fn begin_enabling(&mut self) {
         for node in &mut self.nodes {
-            node.origin = node.position;
+            node.origin = node.travel;
         }
         self.heading = None;
     }
@@ -234,17 +234,21 @@ impl Master<'_> {
 
     /// What a frame holds, and how much of it.
     fn content(&self, command: &CommandTable<'_>) -> ([u8; 8], usize) {
-        let mut bytes = [0; 8];
-        let mut at = 0_usize;
+        let (mut word, mut used) = (0_u64, 0_usize);
         for field in command.fields {
-            let encoded = field.kind.encode(self.value(field.source));
-            let len = field.kind.bytes();
-            for (to, from) in bytes.iter_mut().skip(at).zip(encoded.iter().take(len)) {
-                *to = *from;
-            }
-            at = at.saturating_add(len);
+            let encoded = u32::from_le_bytes(field.kind.encode(self.value(field.source)));
+            let bytes = field.kind.bytes();
+            let own = match bytes {
+                1 => encoded & 0xFF,
+                2 => encoded & 0xFFFF,
+                _ => encoded,
+            };
+            // What begins after the eighth byte is cut off.
+            let bit = u32::try_from(used.saturating_mul(8)).unwrap_or(u32::MAX);
+            word |= u64::from(own).checked_shl(bit).unwrap_or(0);
+            used = used.saturating_add(bytes);
         }
-        (bytes, at.min(8))
+        (word.to_le_bytes(), used.min(8))
     }
 
     fn value(&self, source: Source) -> i64 {

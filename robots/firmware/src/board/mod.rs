@@ -1,8 +1,12 @@
 //! Boards.
 
 #[cfg(feature = "mps2-an386")]
+mod lockstep;
+#[cfg(feature = "mps2-an386")]
 mod mps2_an386;
 
+#[cfg(feature = "mps2-an386")]
+pub use lockstep::Lockstep;
 #[cfg(feature = "mps2-an386")]
 pub use mps2_an386::{CLOCK, Instructions, Mps2An386, Serial, Uart, finish};
 

@@ -6,6 +6,7 @@
 use super::Board;
 use crate::Cycles;
 use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::{debug, hprintln};
@@ -28,32 +29,41 @@ struct Registers {
     divider: u32,
 }
 
-/// UART 0. There is one: [`Self::take`] hands it out once.
+/// One of the first two UARTs. There is one of each: it is handed out once.
 #[derive(Debug)]
-pub struct Uart(());
+pub struct Uart(*mut Registers);
 
 impl Uart {
-    const REGISTERS: *mut Registers = 0x4000_4000 as *mut Registers;
-
-    /// Switches the UART on. `None` if that was done before.
+    /// Switches UART 0 on. `None` if that was done before.
     #[must_use]
     pub fn take() -> Option<Self> {
-        use core::sync::atomic::{AtomicBool, Ordering};
         static TAKEN: AtomicBool = AtomicBool::new(false);
-        if TAKEN.swap(true, Ordering::Relaxed) {
+        Self::start(0x4000_4000, &TAKEN)
+    }
+
+    /// Switches UART 1 on. `None` if that was done before.
+    #[must_use]
+    pub fn take_second() -> Option<Self> {
+        static TAKEN: AtomicBool = AtomicBool::new(false);
+        Self::start(0x4000_5000, &TAKEN)
+    }
+
+    fn start(address: usize, taken: &AtomicBool) -> Option<Self> {
+        if taken.swap(true, Ordering::Relaxed) {
             return None;
         }
-        // SAFETY: the registers of UART 0 are there on this board, and `TAKEN` makes this the only user.
+        let registers = address as *mut Registers;
+        // SAFETY: the registers of a UART are there on this board, and `taken` makes this the only user.
         unsafe {
-            (&raw mut (*Self::REGISTERS).divider).write_volatile(16);
-            (&raw mut (*Self::REGISTERS).control).write_volatile(0b11);
+            (&raw mut (*registers).divider).write_volatile(16);
+            (&raw mut (*registers).control).write_volatile(0b11);
         }
-        Some(Self(()))
+        Some(Self(registers))
     }
 
     fn state(&self) -> u32 {
-        // SAFETY: as in `take`; reading the state has no effect.
-        unsafe { (&raw const (*Self::REGISTERS).state).read_volatile() }
+        // SAFETY: as in `start`; reading the state has no effect.
+        unsafe { (&raw const (*self.0).state).read_volatile() }
     }
 }
 
@@ -70,15 +80,15 @@ impl Serial for Uart {
         if self.state() & 0b10 == 0 {
             return None;
         }
-        // SAFETY: as in `take`; the receive buffer is full.
-        Some(unsafe { (&raw const (*Self::REGISTERS).data).read_volatile() as u8 })
+        // SAFETY: as in `start`; the receive buffer is full.
+        Some(unsafe { (&raw const (*self.0).data).read_volatile() as u8 })
     }
 
     fn write(&mut self, byte: u8) -> bool {
         let room = self.state() & 0b1 == 0;
         if room {
-            // SAFETY: as in `take`; the transmit buffer is empty.
-            unsafe { (&raw mut (*Self::REGISTERS).data).write_volatile(u32::from(byte)) };
+            // SAFETY: as in `start`; the transmit buffer is empty.
+            unsafe { (&raw mut (*self.0).data).write_volatile(u32::from(byte)) };
         }
         room
     }
