@@ -80,7 +80,7 @@ where
     if let Some(priority) = options.priority {
         rights::ask(priority).iter().for_each(|missing| say(&missing.to_string()));
     }
-    let ending = service.run(&mut || {
+    let ending = service.run(&mut |_| {
         signals += usize::from(signalled.swap(false, Ordering::Relaxed));
         signals
     });

@@ -77,12 +77,12 @@ where
     }
 
     /// Works until `signals` counts a signal and the robot is on its legs: see the crate's page. It is
-    /// asked in each turn how many signals came.
+    /// asked in each turn, with the time in µs, how many signals came.
     ///
     /// # Errors
     ///
     /// The bus that failed; the robot's torque is off then as far as its other buses go.
-    pub fn run(&mut self, signals: &mut dyn FnMut() -> usize) -> Result<Ending, Error> {
+    pub fn run(&mut self, signals: &mut dyn FnMut(u64) -> usize) -> Result<Ending, Error> {
         let worked = catch_unwind(AssertUnwindSafe(|| self.work(signals)));
         match worked {
             Ok(Ok(ending)) => {
@@ -102,10 +102,10 @@ where
         }
     }
 
-    fn work(&mut self, signals: &mut dyn FnMut() -> usize) -> Result<Ending, BusError> {
+    fn work(&mut self, signals: &mut dyn FnMut(u64) -> usize) -> Result<Ending, BusError> {
         loop {
             let now = self.buses.now();
-            match (signals(), self.stop_by) {
+            match (signals(now), self.stop_by) {
                 (0, _) => {}
                 (1, None) => self.stop(now),
                 (1, Some(limit)) if now < limit => match self.runtime.master().state() {

@@ -66,6 +66,8 @@ pub(crate) enum Command {
     Table(FolderArgs),
     /// Verifies a plan file, and converts it
     Inspect(InspectArgs),
+    /// Writes a stand-alone crate that controls a robot over CAN
+    Deploy(DeployArgs),
     /// Evaluates dynamics: JSON lines in, JSON lines out
     Eval(EvalArgs),
     /// Explains a diagnostic code, or lists all of them
@@ -73,10 +75,12 @@ pub(crate) enum Command {
 }
 
 mod closed_loop;
+mod deploy;
 
 pub(crate) use closed_loop::{
     FolderArgs, MergeArgs, RobustnessArgs, RobustnessCommand, SimulateArgs,
 };
+pub(crate) use deploy::{DeployArgs, DeployTarget};
 
 const ROBOT_HELP: &str = "Model file, or name of a bundled robot";
 
