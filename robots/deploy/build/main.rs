@@ -9,6 +9,7 @@ mod manifest;
 use lock::Lock;
 use manifest::Inherited;
 use std::fmt::Write as _;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
@@ -30,7 +31,7 @@ fn main() -> Result<(), Failure> {
     let own = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?);
     let version = env::var("CARGO_PKG_VERSION")?;
     let root = own.ancestors().nth(2).unwrap_or(&own).to_path_buf();
-    println!("cargo:rerun-if-changed=build");
+    watch(Path::new("build"));
     let lock = read_locks(&own, &root)?;
     let mut crates = Vec::new();
     for (name, path) in CRATES {
@@ -59,6 +60,11 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
+/// Tells cargo what to watch; that nobody listens is no reason to fail.
+fn watch(path: &Path) {
+    let _ = writeln!(io::stdout(), "cargo:rerun-if-changed={}", path.display());
+}
+
 /// The folder of a crate: of the checkout, of a registry, or of vendored sources.
 fn find(own: &Path, checkout: &Path, name: &str, version: &str) -> Option<PathBuf> {
     let beside = own.parent()?;
@@ -79,10 +85,10 @@ fn sources(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     walk(&folder.join("src"), &mut files)?;
     files.sort();
     for file in &files {
-        println!("cargo:rerun-if-changed={}", file.display());
+        watch(file);
     }
-    println!("cargo:rerun-if-changed={}", folder.join("src").display());
-    println!("cargo:rerun-if-changed={}", folder.join("Cargo.toml").display());
+    watch(&folder.join("src"));
+    watch(&folder.join("Cargo.toml"));
     Ok(files)
 }
 
@@ -104,7 +110,7 @@ fn read_locks(own: &Path, root: &Path) -> Result<Lock, Failure> {
     let candidates =
         [root.join("Cargo.lock"), root.join("robots/firmware/Cargo.lock"), own.join("Cargo.lock")];
     for path in candidates.iter().filter(|path| path.is_file()) {
-        println!("cargo:rerun-if-changed={}", path.display());
+        watch(path);
         lock.add(&fs::read_to_string(path)?)?;
     }
     Ok(lock)

@@ -1,7 +1,7 @@
 //! Manifests without workspace inheritance, development dependencies and lints.
 
-use crate::Failure;
 use crate::lock::Lock;
+use crate::{Failure, watch};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -21,7 +21,7 @@ impl Inherited {
             let Ok(text) = fs::read_to_string(&path) else { continue };
             let table: Table = text.parse()?;
             if let Some(workspace) = table.get("workspace").and_then(Value::as_table) {
-                println!("cargo:rerun-if-changed={}", path.display());
+                watch(&path);
                 let part = |key| workspace.get(key).and_then(Value::as_table).cloned();
                 let (package, dependencies) = (part("package"), part("dependencies"));
                 return Ok(Self {
