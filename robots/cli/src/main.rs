@@ -39,6 +39,7 @@ fn run(cli: &Cli) -> Outcome {
         Some(Command::Emit(args)) => commands::emit::run(args),
         Some(Command::Plan(args)) => commands::plan::run(args),
         Some(Command::Inspect(args)) => commands::inspect::run(args),
+        Some(Command::Deploy(args)) => commands::deploy::run(args),
         Some(Command::Eval(args)) => commands::eval::run(args),
         Some(Command::Explain(args)) => commands::explain::run(args),
     }

@@ -76,6 +76,8 @@ pub(crate) enum Command {
     Monitor(MonitorArgs),
     /// Gives a running robot an order
     Command(CommandArgs),
+    /// Writes a stand-alone crate that controls a robot over CAN
+    Deploy(DeployArgs),
     /// Evaluates dynamics: JSON lines in, JSON lines out
     Eval(EvalArgs),
     /// Explains a diagnostic code, or lists all of them
@@ -83,6 +85,7 @@ pub(crate) enum Command {
 }
 
 mod closed_loop;
+mod deploy;
 mod drive;
 mod operator;
 mod run;
@@ -90,6 +93,7 @@ mod run;
 pub(crate) use closed_loop::{
     FolderArgs, MergeArgs, RobustnessArgs, RobustnessCommand, SimulateArgs,
 };
+pub(crate) use deploy::{DeployArgs, DeployTarget};
 
 pub(crate) use drive::DriveArgs;
 pub(crate) use operator::{CommandArgs, LinkArgs, MonitorArgs, OrderArgs};

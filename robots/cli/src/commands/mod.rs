@@ -1,6 +1,7 @@
 //! One module per command.
 
 pub(crate) mod check;
+pub(crate) mod deploy;
 pub(crate) mod derive;
 pub(crate) mod drive;
 pub(crate) mod emit;

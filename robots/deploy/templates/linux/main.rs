@@ -1,0 +1,9 @@
+//! The robot's program on Linux: `--help` shows what it takes.
+
+use robot::{CONTROL, DRIVE, ROBOT};
+use shapebot_host::Robotics;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    shapebot_host::main(Robotics { robot: &ROBOT, control: &CONTROL, drive: &DRIVE })
+}
