@@ -32,7 +32,7 @@ fn run(cli: &Cli) -> Outcome {
         Some(Command::DriveSim(args)) => commands::run::drive_sim(args),
         Some(Command::Drive(args)) => commands::drive::run(args),
         Some(Command::Monitor(args)) => commands::operator::monitor(args),
-        Some(Command::Command(args)) => commands::operator::command(args),
+        Some(Command::Order(args)) => commands::operator::command(args),
         Some(Command::Robots) => commands::robots::run(),
         Some(Command::Check(args)) => commands::check::run(args),
         Some(Command::Derive(args)) => commands::derive::run(args),

@@ -75,7 +75,8 @@ pub(crate) enum Command {
     /// Shows the telemetry of a running robot
     Monitor(MonitorArgs),
     /// Gives a running robot an order
-    Command(CommandArgs),
+    #[command(name = "command")]
+    Order(CommandArgs),
     /// Writes a stand-alone crate that controls a robot over CAN
     Deploy(DeployArgs),
     /// Evaluates dynamics: JSON lines in, JSON lines out
