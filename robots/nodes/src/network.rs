@@ -230,7 +230,15 @@ impl<P: Plant> Bus for Network<P> {
     }
 
     fn health(&self) -> Health {
-        let first = self.buses.first();
-        first.and_then(|(bus, master)| bus.health(*master)).unwrap_or_default()
+        self.master_health(0)
+    }
+}
+
+impl<P: Plant> Network<P> {
+    /// State of the master's controller on a bus.
+    #[must_use]
+    pub fn master_health(&self, bus: usize) -> Health {
+        let bus = self.buses.get(bus);
+        bus.and_then(|(bus, master)| bus.health(*master)).unwrap_or_default()
     }
 }

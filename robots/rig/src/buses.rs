@@ -21,6 +21,12 @@ pub trait Buses {
     ///
     /// Those of [`Bus::receive`].
     fn receive(&mut self, deadline: u64) -> Result<Option<(usize, Received)>, BusError>;
+
+    /// State of the controller of a bus, as far as it tells; one that recovers by itself is bus-off for
+    /// some milliseconds only.
+    fn health(&self, _bus: usize) -> Health {
+        Health::default()
+    }
 }
 
 impl<P: Plant> Buses for Network<P> {
@@ -34,6 +40,10 @@ impl<P: Plant> Buses for Network<P> {
 
     fn receive(&mut self, deadline: u64) -> Result<Option<(usize, Received)>, BusError> {
         Ok(Self::receive(self, deadline))
+    }
+
+    fn health(&self, bus: usize) -> Health {
+        self.master_health(bus)
     }
 }
 
@@ -61,12 +71,6 @@ impl Wired {
         Self { buses, starts }
     }
 
-    /// State of a bus' controller.
-    #[must_use]
-    pub fn health(&self, bus: usize) -> Health {
-        self.buses.get(bus).map(|bus| bus.health()).unwrap_or_default()
-    }
-
     fn look(&mut self, index: usize, deadline: u64) -> Result<Option<(usize, Received)>, BusError> {
         let (Some(bus), Some(start)) = (self.buses.get_mut(index), self.starts.get(index)) else {
             return Ok(None);
@@ -79,6 +83,10 @@ impl Wired {
 }
 
 impl Buses for Wired {
+    fn health(&self, bus: usize) -> Health {
+        self.buses.get(bus).map(|bus| bus.health()).unwrap_or_default()
+    }
+
     fn now(&self) -> u64 {
         match (self.buses.first(), self.starts.first()) {
             (Some(bus), Some(start)) => bus.now().saturating_sub(*start),

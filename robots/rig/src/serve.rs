@@ -2,7 +2,7 @@
 
 use crate::Buses;
 use crate::operator::Link;
-use shapebot_bus::BusError;
+use shapebot_bus::{BusError, ErrorState};
 use shapebot_drive::{Fault, Frame};
 use shapebot_dynamics::Robot;
 use shapebot_planner::value::Stored;
@@ -58,6 +58,11 @@ where
                 return Err(error);
             }
         }
+    }
+    // One that recovers by itself may be bus-off between two frames of ours.
+    let buses_of_drive = runtime.master().table().buses.len();
+    if (0..buses_of_drive).any(|bus| buses.health(bus).state == ErrorState::BusOff) {
+        runtime.report(Fault::Bus, now);
     }
     if now >= until {
         return Ok(());

@@ -229,12 +229,13 @@ impl List<'_> {
             reaches_drives: false,
             reaches_legs: true,
         });
-        // It collides with the master's own.
+        // It collides with the master's own: where nothing but error frames is left on the wire, nobody
+        // hears a foreign command.
         let most = [0xFF, 0x7F, 0x0F, 0, 0xFF, 0x7F, 0xFF, 0x7F];
         let most = Frame::new(pdo.cob_id, most.get(..pdo.bytes()).unwrap_or_default());
         let bus = usize::from(node.bus);
         let spoof = Injection::Spoof(bus, vec![most; 8]);
-        self.add_jam(format!("{name}: forged command"), spoof, Expect::Cycles, bus);
+        self.add_jam(format!("{name}: forged command"), spoof, Expect::Open, bus);
     }
 
     fn of_sensor(&mut self, index: usize, node: &Node) {
