@@ -235,7 +235,7 @@ impl List<'_> {
         let most = Frame::new(pdo.cob_id, most.get(..pdo.bytes()).unwrap_or_default());
         let bus = usize::from(node.bus);
         let spoof = Injection::Spoof(bus, vec![most; 8]);
-        self.add_jam(format!("{name}: forged command"), spoof, Expect::Open, bus);
+        self.add_jam(format!("{name}: forged command"), spoof, Expect::Cycles, bus);
     }
 
     fn of_sensor(&mut self, index: usize, node: &Node) {
