@@ -8,6 +8,7 @@
 //! | [`VirtualBus`], [`Port`] | in one process and in virtual time, exact to the bit, with faults to inject |
 //! | [`Slcan`] | a serial adapter that speaks LAWICEL's protocol, or a pseudo-terminal |
 //! | `SocketBus` | Linux SocketCAN, with the feature `socketcan` |
+//! | [`Slowed`] | another one, on which time runs slower |
 //! | [`Replay`] | a log written by `candump -L` or by [`Recorded`] |
 //!
 //! Without the feature `std` (which is on by default) only [`bits`] and [`slcan::codec`] are left, for
@@ -25,10 +26,14 @@ mod random;
 #[cfg(all(unix, feature = "std"))]
 pub mod serial;
 pub mod slcan;
+#[cfg(feature = "std")]
+mod slowed;
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 mod socket;
 #[cfg(feature = "std")]
 mod virtual_bus;
+#[cfg(all(unix, feature = "std"))]
+mod wait;
 
 #[cfg(feature = "std")]
 pub use candump::{Recorded, Replay};
@@ -39,6 +44,8 @@ pub use random::Random;
 pub use shapebot_drive::Frame;
 #[cfg(feature = "std")]
 pub use slcan::Slcan;
+#[cfg(feature = "std")]
+pub use slowed::Slowed;
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 pub use socket::SocketBus;
 #[cfg(feature = "std")]

@@ -7,7 +7,7 @@ use socketcan::{
     CanErrorFrame, CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, SocketOptions,
 };
 
-use crate::{Bus, BusError, ErrorState, Frame, Health, Received};
+use crate::{Bus, BusError, ErrorState, Frame, Health, Received, wait};
 
 /// Linux: address family not supported.
 const EAFNOSUPPORT: i32 = 97;
@@ -104,8 +104,7 @@ impl Bus for SocketBus {
 
     fn receive(&mut self, deadline: u64) -> Result<Option<Received>, BusError> {
         loop {
-            let left = Duration::from_micros(deadline.saturating_sub(self.now()));
-            match self.socket.read_frame_timeout(left) {
+            match self.socket.read_frame() {
                 Ok(CanFrame::Error(error)) => self.note(&error),
                 Ok(frame) => {
                     let time = self.now();
@@ -118,12 +117,14 @@ impl Bus for SocketBus {
                         return Ok(Some(Received { frame, time }));
                     }
                 }
-                Err(error)
-                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
-                {
-                    if self.now() >= deadline {
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                    let left = deadline.saturating_sub(self.now());
+                    if left == 0 {
                         return Ok(None);
                     }
+                    // The crate's own time-out counts in milliseconds, and spins through the last one.
+                    wait::readable(&self.socket, Duration::from_micros(left))
+                        .map_err(|error| BusError::io(&self.interface, error))?;
                 }
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => return Err(BusError::io(&self.interface, error)),

@@ -7,7 +7,7 @@ use shapebot_bus::Slcan;
 use shapebot_bus::serial::Serial;
 #[cfg(unix)]
 use shapebot_bus::slcan::Adapter;
-use shapebot_bus::{Bus, Recorded};
+use shapebot_bus::{Bus, Recorded, Slowed};
 use shapebot_drive_build::DriveDescription;
 use std::io::Write;
 use std::path::PathBuf;
@@ -36,6 +36,8 @@ type Opener<'o> = dyn FnMut(&Port, &shapebot_drive_build::Bus) -> Result<Box<dyn
 pub struct BusList {
     /// None: virtual time.
     ports: Option<Vec<Port>>,
+    /// How many times slower time runs than that of the computer.
+    slow: u32,
 }
 
 impl BusList {
@@ -46,7 +48,7 @@ impl BusList {
     /// [`Error::Buses`] for names that the drive does not have, and for too few or too many ports.
     pub fn parse(text: &str, description: &DriveDescription) -> Result<Self, Error> {
         if text == "virtual" {
-            return Ok(Self { ports: None });
+            return Ok(Self { ports: None, slow: 1 });
         }
         let names: Vec<&str> = description.buses.iter().map(|bus| bus.name.as_str()).collect();
         let all = names.join(", ");
@@ -65,7 +67,19 @@ impl BusList {
         }
         let ports: Option<Vec<Port>> = ports.into_iter().collect();
         let missing = || Error::Buses(format!("`{text}`: a port for each bus of {all} expected"));
-        Ok(Self { ports: Some(ports.ok_or_else(missing)?) })
+        Ok(Self { ports: Some(ports.ok_or_else(missing)?), slow: 1 })
+    }
+
+    /// The same with time that runs `factor` times slower, on both sides of the buses.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Buses`] in virtual time, which waits for nobody.
+    pub fn slowed(self, factor: u32) -> Result<Self, Error> {
+        if factor > 1 && self.is_virtual() {
+            return Err(Error::Buses("virtual time cannot be slowed: no bus is named".to_owned()));
+        }
+        Ok(Self { slow: factor, ..self })
     }
 
     /// Whether the buses are in this process and in virtual time.
@@ -132,6 +146,8 @@ impl BusList {
         let mut buses: Vec<Box<dyn Bus>> = Vec::new();
         for (port, bus) in ports.iter().zip(&description.buses) {
             let opened = open(port, bus)?;
+            let opened: Box<dyn Bus> =
+                if self.slow > 1 { Box::new(Slowed::new(opened, self.slow)) } else { opened };
             buses.push(match log {
                 Some(log) => Box::new(Recorded::new(opened, log.clone(), &bus.name)),
                 None => opened,

@@ -7,6 +7,9 @@ use shapebot_dynamics::Robot;
 use shapebot_nodes::{DriveUnit, Node, NodeFault, Physical, described};
 use shapebot_sim::Plant;
 
+/// Frames that are heard in a row before the nodes' timers are looked at.
+const MOST_FRAMES: usize = 64;
+
 /// Simulated nodes of a drive over a body, on buses in real time: the other side of a master in another
 /// process. Nodes on one bus hear each other as well.
 pub struct DriveSim<'a, R, const N: usize, const NX: usize, const NS: usize> {
@@ -90,8 +93,12 @@ where
         loop {
             let next = self.nodes.iter().filter_map(|(_, node)| node.next()).min();
             let until = next.map_or(deadline, |next| next.min(deadline));
-            if let Some((bus, received)) = self.buses.receive(until)? {
+            // All that has come goes before the timers: a late turn of this process is no late SYNC.
+            let mut wait = until;
+            for _ in 0..MOST_FRAMES {
+                let Some((bus, received)) = self.buses.receive(wait)? else { break };
                 self.hear(bus, None, &received.frame)?;
+                wait = 0;
             }
             let now = self.now();
             for index in 0..self.nodes.len() {

@@ -4,7 +4,7 @@ use crate::{Buses, Error, Wired, World, serve};
 use nalgebra::SVector;
 use shapebot_control::State as Coordinates;
 use shapebot_drive::safety::{Request, State};
-use shapebot_drive::{Counters, Role};
+use shapebot_drive::{Counters, Jitter, Role};
 use shapebot_dynamics::Robot;
 use shapebot_nodes::Mechanism;
 use shapebot_planner::value::{PlanView, Stored};
@@ -87,8 +87,8 @@ pub struct Outcome {
     pub cycles: u32,
     /// What happened on the buses.
     pub counters: Counters,
-    /// Largest lateness of SYNC, µs.
-    pub sync_late_us: u32,
+    /// How late SYNC was.
+    pub sync: Jitter,
 }
 
 /// Takes a robot through a task: set-up, enabling, rising, balancing, station keeping, the plan, station
@@ -262,7 +262,7 @@ where
             force_max: tally.force,
             cycles: tally.cycles,
             counters: *master.counters(),
-            sync_late_us: master.jitter().worst_us(),
+            sync: *master.jitter(),
         }
     }
 }

@@ -26,6 +26,18 @@ pub(crate) struct OnDriveArgs {
     /// Writes all frames as candump does
     #[arg(long, value_name = "FILE")]
     pub(crate) log: Option<PathBuf>,
+
+    /// Time on the buses runs N times slower, for computers that other work holds up; both ends alike
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) slow: u32,
+
+    /// Priority of SCHED_FIFO in real time, 1 to 99
+    #[arg(long, value_name = "N", default_value_t = 80, value_parser = clap::value_parser!(u8).range(1..=99))]
+    pub(crate) priority: u8,
+
+    /// Neither SCHED_FIFO nor locked memory
+    #[arg(long, conflicts_with = "priority")]
+    pub(crate) ordinary: bool,
 }
 
 const RUN_EXAMPLES: &str = "\
@@ -36,6 +48,7 @@ Examples:
   shapebot run straight_line
   shapebot run table2_ballbot3d --drive ballbot3d_1khz --log frames.log
   shapebot run straight_line --bus drive=can0,body=can1
+  shapebot run straight_line --bus /dev/pts/3,/dev/pts/4 --slow 5
   shapebot run table2_ballbot3d --bus can0,can1 --operator robot.sock     an operator says when";
 
 #[derive(Args, Debug)]

@@ -7,6 +7,8 @@ use crate::drive::{self, Drive};
 use crate::failure::{Failure, Outcome};
 use crate::output::number;
 use crate::robot::{Dynamics, identity};
+use shapebot_drive::Jitter;
+use shapebot_drive_build::DriveDescription;
 use shapebot_experiments::Planned;
 use shapebot_rig::operator::Socket;
 use shapebot_rig::{BusList, Error, Log, OnDrive, Outcome as Followed};
@@ -59,12 +61,36 @@ impl Opened {
     }
 }
 
+/// The buses as they were named, at the pace that was asked for.
+fn named_buses(text: &str, on: &OnDriveArgs, drive: &DriveDescription) -> Outcome<BusList> {
+    let buses = BusList::parse(text, drive).map_err(failure)?;
+    buses.slowed(on.slow).map_err(failure)
+}
+
+/// Asks for what a loop in real time needs, and says what is not granted.
+#[cfg(target_os = "linux")]
+fn ask_for_rights(on: &OnDriveArgs) {
+    if on.ordinary {
+        return;
+    }
+    for missing in shapebot_host::rights::ask(on.priority) {
+        // Nowhere to complain if standard error is closed.
+        let _ = writeln!(anstream::stderr().lock(), "{missing}");
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+const fn ask_for_rights(_: &OnDriveArgs) {}
+
 pub(crate) fn run(args: &RunArgs) -> Outcome {
     let opened = opened(&args.on)?;
     let description = &opened.drive.description;
-    let buses = BusList::parse(&args.bus, description).map_err(failure)?;
+    let buses = named_buses(&args.bus, &args.on, description)?;
     let log = opened.log.clone();
     opened.with(|on| {
+        if !buses.is_virtual() {
+            ask_for_rights(&args.on);
+        }
         if let Some(path) = &args.operator {
             let mut wired = buses.open(description, log.as_ref()).map_err(failure)?;
             let socket = Socket::listen(path).map_err(|e| Failure::file("listen at", path, &e))?;
@@ -84,7 +110,7 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
 pub(crate) fn drive_sim(args: &DriveSimArgs) -> Outcome {
     let opened = opened(&args.on)?;
     let description = &opened.drive.description;
-    let buses = BusList::parse(&args.bus, description).map_err(failure)?;
+    let buses = named_buses(&args.bus, &args.on, description)?;
     opened.with(|on| {
         let (wired, paths) = buses.open_nodes(description, opened.log.as_ref()).map_err(failure)?;
         let mut stdout = anstream::stdout().lock();
@@ -92,6 +118,7 @@ pub(crate) fn drive_sim(args: &DriveSimArgs) -> Outcome {
             writeln!(stdout, "{path}")?;
         }
         stdout.flush()?;
+        ask_for_rights(&args.on);
         on.serve_nodes(wired, &mut until(args.time)).map_err(failure)
     })
 }
@@ -122,7 +149,8 @@ fn report(followed: &Followed, drive: &str, on: &OnDrive<'_>) -> Outcome {
         ("inputs missed", counters.missed.to_string()),
         ("malformed or unknown frames", (counters.malformed + counters.unknown).to_string()),
         ("torques limited", counters.limited.to_string()),
-        ("SYNC late by at most", format!("{} us", followed.sync_late_us)),
+        ("SYNC late by at most", format!("{} us", followed.sync.worst_us())),
+        ("SYNC late by", histogram(&followed.sync)),
     ];
     let mut stdout = anstream::stdout().lock();
     let bold = anstyle::Style::new().bold();
@@ -132,6 +160,14 @@ fn report(followed: &Followed, drive: &str, on: &OnDrive<'_>) -> Outcome {
         writeln!(stdout, "  {name:<width$}  {value}")?;
     }
     Ok(())
+}
+
+/// Counts by lateness; empty bins are left out.
+fn histogram(sync: &Jitter) -> String {
+    let edges = Jitter::EDGES_US.map(|edge| format!("< {edge} us"));
+    let names = edges.into_iter().chain(["more".to_owned()]);
+    let bins = names.zip(sync.bins()).filter(|(_, count)| **count > 0);
+    bins.map(|(name, count)| format!("{name}: {count}")).collect::<Vec<_>>().join(", ")
 }
 
 /// What does not fit together is the user's, what the robot does is the robot's.

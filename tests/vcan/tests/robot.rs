@@ -1,0 +1,170 @@
+//! A simulated robot and its controller, two programs on vcan0 in real time, recorded by candump.
+
+mod common;
+mod traffic;
+
+use common::{can_utils, folder, on_vcan};
+use shapebot_bus::candump;
+use shapebot_drive_build::{DriveDescription, Source};
+use shapebot_dynamics::LagrangianSystem as _;
+use shapebot_generated::ballbot_planar::BallbotPlanar;
+use shapebot_tests::environment::say;
+use std::fs;
+use std::path::Path;
+use traffic::Traffic;
+
+/// A planar ballbot goes half a metre.
+const TASK: &str = r#"
+title = "Half a metre"
+robot = "ballbot_planar"
+method = "refined"
+samples = 301
+
+[motion]
+kind = "line"
+goal = "0.5 m"
+duration = "3 s"
+"#;
+
+/// How many times slower time may run before a computer is too busy for this test.
+const PACES: [u32; 3] = [1, 4, 16];
+
+/// Faults that say that a process did not run when it should have.
+const LATE: [&str; 5] = ["SyncJitter", "MissedInputs", "SensorStale", "8700)", "8250)"];
+
+fn drive() -> DriveDescription {
+    let text = shapebot_drives::text("ballbot_planar").expect("a drive");
+    let source = Source::parse("ballbot_planar", text).expect("a drive");
+    let robot = BallbotPlanar::<f64>::from_model();
+    source.check(robot.description()).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+/// Both programs at a pace, `candump -L` beside them.
+fn commands(pace: u32) -> String {
+    let tool = env!("CARGO_BIN_EXE_vcan-shapebot");
+    // The log is in memory until the end: writing to the host's files takes its time.
+    format!(
+        "mount -t tmpfs none /tmp || exit 70\n\
+         candump -L vcan0 >/tmp/dump.log & dump=$!\n\
+         {tool} drive-sim walk.toml --bus vcan0 --slow {pace} >nodes.txt 2>&1 & nodes=$!\n\
+         sleep 1\n\
+         {tool} run walk.toml --bus vcan0 --slow {pace} >run.txt 2>&1; code=$?\n\
+         kill $dump $nodes; wait\n\
+         cp /tmp/dump.log dump.log\n\
+         exit $code\n"
+    )
+}
+
+/// Runs the task; the pace at which it came to its end. `None` where user-mode Linux is missing.
+fn run(folder: &Path) -> Option<u32> {
+    let mut late = String::new();
+    for pace in PACES {
+        let output = on_vcan(folder, &commands(pace))?;
+        let text = |name| fs::read_to_string(folder.join(name)).unwrap_or_default();
+        let (said, nodes) = (text("run.txt"), text("nodes.txt"));
+        if output.status.success() {
+            say(&said);
+            return Some(pace);
+        }
+        let is_late = LATE.iter().any(|fault| said.contains(fault));
+        assert!(is_late, "{said}\nnodes: {nodes}\n{output:?}");
+        late += &format!("at {pace}: {said}");
+        say(&format!("vcan0, time slowed {pace} times: {}", said.trim()));
+    }
+    panic!("this computer keeps no time:\n{late}");
+}
+
+#[test]
+fn a_robot_is_driven_over_socketcan() {
+    if !can_utils() {
+        return;
+    }
+    let folder = folder("robot");
+    fs::write(folder.join("walk.toml"), TASK).expect("the task");
+    let Some(pace) = run(&folder) else { return };
+
+    let log = folder.join("dump.log");
+    let file = fs::File::open(&log).expect("candump's log");
+    let entries = candump::read(&log, std::io::BufReader::new(file)).expect("a log");
+    let description = drive();
+    let tables = description.tables();
+    let table = tables.table();
+    let traffic = Traffic::of(entries, &table);
+    say(&format!("vcan0, time slowed {pace} times: {traffic}"));
+
+    assert!(traffic.strange.is_empty(), "{:?}", traffic.strange);
+    assert!(traffic.emergencies.is_empty(), "{:?}", traffic.emergencies);
+    // Each node is set up, each step answered, and started.
+    for node in table.nodes {
+        let answers = traffic.answers.get(&node.id.raw()).copied().unwrap_or(0);
+        assert!(answers >= node.setup.len(), "{}: {answers} answers", node.name);
+    }
+    assert_eq!(traffic.aborts, 0);
+    assert!(traffic.starts > 0 && traffic.enabled > 1000, "{traffic:?}");
+    // It balances: torque is given, within limits, the legs are up, and down again at the end.
+    assert!(
+        traffic.torques > 1000 && traffic.beyond == 0,
+        "{} {}",
+        traffic.torques,
+        traffic.beyond
+    );
+    assert!(traffic.rose && traffic.legs.is_some_and(|legs| legs.is_down()));
+    // Three seconds of standing, three of motion, two of standing, at 500 Hz.
+    assert!(traffic.cycles > 4000, "{} cycles", traffic.cycles);
+    // What scheduling may cost is counted, what it may not change is the order.
+    let most = traffic.cycles / 20;
+    assert!(traffic.complete >= traffic.cycles - most, "{traffic}");
+    assert!(traffic.ordered >= traffic.complete - most, "{traffic}");
+    let period = f64::from(table.timing.period_us * pace);
+    assert!((traffic.mean_period() / period - 1.0).abs() < 0.01, "{traffic}");
+    let median = traffic.median_period() as f64;
+    assert!((median / period - 1.0).abs() < 0.05, "{traffic}");
+}
+
+/// Two drives and an IMU in one cycle, as the planar ballbot's are wired.
+const CYCLE: [&str; 6] = [
+    "080#",
+    "181#3702000A00000000",
+    "182#3702000A00000000",
+    "190#000000000001",
+    "201#00000F00",
+    "202#00000F00",
+];
+
+/// A log of cycles of 2 ms, each with these frames.
+fn log(cycles: &[&[&str]]) -> Traffic {
+    let description = drive();
+    let tables = description.tables();
+    let mut entries = Vec::new();
+    for (k, frames) in cycles.iter().enumerate() {
+        for (at, frame) in frames.iter().enumerate() {
+            let micros = 2000 * k + 100 * at;
+            let line = format!("(0000000000.{micros:06}) vcan0 {frame}");
+            entries.push(candump::entry(&line).expect("a line"));
+        }
+    }
+    Traffic::of(entries, &tables.table())
+}
+
+#[test]
+fn whole_cycles_are_told_from_others() {
+    let whole = log(&[&CYCLE, &CYCLE, &CYCLE]);
+    assert_eq!((whole.cycles, whole.complete, whole.ordered), (3, 3, 3));
+    assert_eq!((whole.periods.as_slice(), whole.median_period()), (&[2000, 2000][..], 2000));
+    assert!(whole.strange.is_empty() && whole.emergencies.is_empty(), "{whole:?}");
+
+    let [sync, front, back, imu, to_front, to_back] = CYCLE;
+    let lacks = [sync, front, back, to_front, to_back];
+    let early = [sync, front, to_front, to_back, back, imu];
+    let mixed = log(&[&CYCLE, &lacks, &early, &CYCLE]);
+    assert_eq!((mixed.cycles, mixed.complete, mixed.ordered), (4, 3, 2));
+}
+
+#[test]
+fn what_should_not_be_on_the_bus_is_noticed() {
+    let found =
+        log(&[&CYCLE, &["081#0087110000000000", "7C0#01", "181#37", "201#00", "201#FF7F0F00"]]);
+    assert_eq!(found.emergencies.len(), 1);
+    assert_eq!(found.strange.len(), 3, "{:?}", found.strange);
+    assert_eq!(found.beyond, 1);
+}
