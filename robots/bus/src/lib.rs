@@ -10,6 +10,9 @@
 //! | `SocketBus` | Linux SocketCAN, with the feature `socketcan` |
 //! | [`Replay`] | a log written by `candump -L` or by [`Recorded`] |
 //!
+//! [`Buses`] are all buses of a drive together; [`Wired`] those in real time, each opened by its
+//! [`PortName`].
+//!
 //! Without the feature `std` (which is on by default) only [`bits`] and [`slcan::codec`] are left, for
 //! microcontrollers.
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -17,9 +20,13 @@
 
 pub mod bits;
 #[cfg(feature = "std")]
+mod buses;
+#[cfg(feature = "std")]
 pub mod candump;
 #[cfg(feature = "std")]
 mod error;
+#[cfg(feature = "std")]
+mod port_name;
 #[cfg(feature = "std")]
 mod random;
 #[cfg(all(unix, feature = "std"))]
@@ -31,9 +38,13 @@ mod socket;
 mod virtual_bus;
 
 #[cfg(feature = "std")]
+pub use buses::{Buses, Wired};
+#[cfg(feature = "std")]
 pub use candump::{Recorded, Replay};
 #[cfg(feature = "std")]
 pub use error::BusError;
+#[cfg(feature = "std")]
+pub use port_name::{BAUD, PortName};
 #[cfg(feature = "std")]
 pub use random::Random;
 pub use shapebot_drive::Frame;
