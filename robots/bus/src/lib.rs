@@ -11,6 +11,9 @@
 //! | [`Slowed`] | another one, on which time runs slower |
 //! | [`Replay`] | a log written by `candump -L` or by [`Recorded`] |
 //!
+//! [`Buses`] are all buses of a drive together; [`Wired`] those in real time, each opened by its
+//! [`PortName`].
+//!
 //! Without the feature `std` (which is on by default) only [`bits`] and [`slcan::codec`] are left, for
 //! microcontrollers.
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -18,9 +21,13 @@
 
 pub mod bits;
 #[cfg(feature = "std")]
+mod buses;
+#[cfg(feature = "std")]
 pub mod candump;
 #[cfg(feature = "std")]
 mod error;
+#[cfg(feature = "std")]
+mod port_name;
 #[cfg(feature = "std")]
 mod random;
 #[cfg(all(unix, feature = "std"))]
@@ -36,9 +43,13 @@ mod virtual_bus;
 mod wait;
 
 #[cfg(feature = "std")]
+pub use buses::{Buses, Wired};
+#[cfg(feature = "std")]
 pub use candump::{Recorded, Replay};
 #[cfg(feature = "std")]
 pub use error::BusError;
+#[cfg(feature = "std")]
+pub use port_name::{BAUD, PortName};
 #[cfg(feature = "std")]
 pub use random::Random;
 pub use shapebot_drive::Frame;

@@ -40,7 +40,7 @@ pub enum Fault {
     ControllerSilent = 17,
     /// SYNC came too late.
     SyncJitter = 18,
-    /// A bus is off or cannot send.
+    /// A controller is bus-off, or a bus takes no frames.
     Bus = 19,
     /// Somebody else sends what only the master sends.
     ForeignMaster = 20,
@@ -54,6 +54,9 @@ pub enum Fault {
     OperatorSilent = 24,
     /// A process asked for an orderly end, or panicked.
     Process = 25,
+    /// A controller is error-passive: something disturbs what the master sends. Noted only while drives
+    /// are told to be enabled; before, nodes may not have been switched on.
+    BusErrors = 26,
 }
 
 impl Fault {
@@ -75,6 +78,7 @@ impl Fault {
                 | Self::SyncJitter
                 | Self::ForeignMaster
                 | Self::Process
+                | Self::BusErrors
         )
     }
 }

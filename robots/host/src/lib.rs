@@ -3,7 +3,7 @@
 //! [`main`] is all of a robot's program but its robot, its gains and its drive:
 //!
 //! - [`Options`]: what the program is told on its command line;
-//! - [`Ports`]: the drive's buses, SocketCAN or slcan;
+//! - [`open`]: the drive's buses, SocketCAN or slcan;
 //! - [`rights`]: SCHED_FIFO and locked memory, with a warning where the system does not grant them;
 //! - [`Socket`]: the operator protocol on a Unix socket, beside the one on the bus;
 //! - [`Service`]: the loop, with [`Deadlines`] counted.
@@ -34,9 +34,9 @@ mod socket;
 
 pub use deadlines::Deadlines;
 pub use error::Error;
-pub use options::{HELP, Options, PortName};
+pub use options::{HELP, Options};
 pub use plans::Plans;
-pub use ports::{Buses, Ports};
+pub use ports::open;
 pub use program::{Robotics, main};
 pub use service::{Ending, Service};
 pub use socket::Socket;

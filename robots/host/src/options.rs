@@ -1,6 +1,7 @@
 //! The command line of a robot's program.
 
 use crate::Error;
+use shapebot_bus::PortName;
 use std::path::PathBuf;
 
 /// Usage.
@@ -15,15 +16,6 @@ Options:
 
 SIGTERM and SIGINT bring the robot to rest and lower its legs; a second one switches the torque off.
 Exit codes: 0 stopped as asked, 1 stopped at once or failed, 2 wrong usage.";
-
-/// Where a bus is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum PortName {
-    /// A SocketCAN interface.
-    Interface(String),
-    /// A serial adapter that speaks slcan.
-    Serial(PathBuf),
-}
 
 /// What a robot's program is told.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,17 +65,13 @@ impl Options {
 fn port(text: &str) -> Result<(String, PortName), Error> {
     let parts = text.split_once('=').filter(|(name, port)| !name.is_empty() && !port.is_empty());
     let (name, port) = parts.ok_or_else(|| Error::Usage(format!("`{text}` is not NAME=PORT")))?;
-    let port = if port.contains('/') {
-        PortName::Serial(port.into())
-    } else {
-        PortName::Interface(port.to_owned())
-    };
-    Ok((name.to_owned(), port))
+    Ok((name.to_owned(), port.into()))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Options, PortName};
+    use super::Options;
+    use shapebot_bus::PortName;
 
     fn parse(line: &str) -> Result<Option<Options>, String> {
         let parsed = Options::parse(line.split_whitespace().map(str::to_owned));

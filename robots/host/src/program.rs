@@ -1,7 +1,8 @@
 //! A robot's program.
 
 use crate::plans::Plans;
-use crate::{Ending, Error, HELP, Options, Ports, Service, Socket, rights};
+use crate::{Ending, Error, HELP, Options, Service, Socket, ports, rights};
+use shapebot_bus::Wired;
 use shapebot_control::Gains;
 use shapebot_drive::DriveTable;
 use shapebot_dynamics::Robot;
@@ -75,7 +76,7 @@ where
         runtime.load(plans.read(path)?)?;
     }
     let socket = options.socket.as_deref().map(Socket::bind).transpose()?;
-    let ports = Ports::open(drive, options)?;
+    let ports = ports::open(drive, options)?;
     let mut service = Service::new(runtime, ports, plans, socket);
     if let Some(priority) = options.priority {
         rights::ask(priority).iter().for_each(|missing| say(&missing.to_string()));
@@ -99,7 +100,7 @@ fn watch() -> Result<Arc<AtomicBool>, Error> {
 }
 
 fn report<R, const N: usize, const NX: usize, const NS: usize>(
-    service: &Service<'_, R, Ports, N, NX, NS>,
+    service: &Service<'_, R, Wired, N, NX, NS>,
     ending: Option<&Ending>,
 ) where
     R: Robot<f64, N, NX, NS>,

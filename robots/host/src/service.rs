@@ -1,8 +1,8 @@
 //! The loop.
 
 use crate::plans::Plans;
-use crate::{Buses, Deadlines, Error, Socket};
-use shapebot_bus::{BusError, Frame};
+use crate::{Deadlines, Error, Socket};
+use shapebot_bus::{BusError, Buses, Frame};
 use shapebot_drive::operator::command::decode;
 use shapebot_drive::operator::{Operator, Order};
 use shapebot_drive::safety::{Request, State};
@@ -154,16 +154,10 @@ where
         Ok(())
     }
 
-    /// Sends the frames that wait. A bus that takes none is a fault of the drive.
+    /// Sends the frames that wait. A bus that takes none, or errors, are a fault of the drive.
     fn send(&mut self, now: u64) -> Result<(), BusError> {
-        for (bus, frame) in self.frames.drain(..) {
-            match self.buses.send(bus, &frame) {
-                Ok(()) => {}
-                Err(BusError::QueueFull { .. } | BusError::BusOff) => {
-                    self.runtime.report(Fault::Bus, now);
-                }
-                Err(error) => return Err(error),
-            }
+        if let Some(fault) = self.buses.send_all(self.frames.drain(..))? {
+            self.runtime.report(fault, now);
         }
         Ok(())
     }
@@ -223,10 +217,8 @@ where
             let told = master.counters().cycles.wrapping_sub(first) >= LAST_CYCLES;
             let done = told && is_down(master);
             let wake = master.next_wake().max(now + 1).min(end);
-            for (bus, frame) in self.frames.drain(..) {
-                // One bus that fails must not keep the others from being told.
-                let _ = self.buses.send(bus, &frame);
-            }
+            // One bus that fails does not keep the others from being told.
+            let _ = self.buses.send_all(self.frames.drain(..));
             if done {
                 return;
             }

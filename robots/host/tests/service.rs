@@ -1,7 +1,7 @@
 //! The loop over simulated nodes in virtual time: how it ends.
 #![cfg(target_os = "linux")]
 
-use shapebot_bus::{BusError, Frame, Received};
+use shapebot_bus::{BusError, Buses, Frame, Health, Received};
 use shapebot_control::Gains;
 use shapebot_drive::operator::Order;
 use shapebot_drive::operator::command::encode;
@@ -9,7 +9,7 @@ use shapebot_drive::safety::{Request, State};
 use shapebot_drive_build::{DriveDescription, Source};
 use shapebot_dynamics::LagrangianSystem;
 use shapebot_generated::ballbot_planar::{BallbotPlanar, CONTROL};
-use shapebot_host::{Buses, Ending, Plans, Service};
+use shapebot_host::{Ending, Plans, Service};
 use shapebot_planner::value::RobotId;
 use shapebot_rig::{World, network};
 use shapebot_runtime::{Runtime, Settings};
@@ -29,8 +29,12 @@ struct Bench<'a> {
 }
 
 impl Buses for Bench<'_> {
+    fn count(&self) -> usize {
+        self.world.count()
+    }
+
     fn now(&self) -> u64 {
-        shapebot_rig::Buses::now(&self.world)
+        Buses::now(&self.world)
     }
 
     fn send(&mut self, bus: usize, frame: &Frame) -> Result<(), BusError> {
@@ -38,7 +42,7 @@ impl Buses for Bench<'_> {
             return Err(BusError::Closed("bench".to_owned()));
         }
         self.telemetry += usize::from(frame.standard_id() == Some(0x4A1));
-        shapebot_rig::Buses::send(&mut self.world, bus, frame)
+        Buses::send(&mut self.world, bus, frame)
     }
 
     fn receive(&mut self, deadline: u64) -> Result<Option<(usize, Received)>, BusError> {
@@ -49,7 +53,11 @@ impl Buses for Bench<'_> {
             let (time, bytes) = self.orders.remove(0);
             return Ok(Some((0, Received { frame: Frame::new(self.command, &bytes), time })));
         }
-        shapebot_rig::Buses::receive(&mut self.world, deadline)
+        Buses::receive(&mut self.world, deadline)
+    }
+
+    fn health(&self, bus: usize) -> Health {
+        self.world.health(bus)
     }
 }
 

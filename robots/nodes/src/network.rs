@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use shapebot_bus::{Bus, BusError, EndpointId, Frame, Health, Received, VirtualBus};
+use shapebot_bus::{Bus, BusError, Buses, EndpointId, Frame, Health, Received, VirtualBus};
 
 use crate::{Node, NodeFault, Physical, Plant};
 
@@ -240,5 +240,27 @@ impl<P: Plant> Network<P> {
     pub fn master_health(&self, bus: usize) -> Health {
         let bus = self.buses.get(bus);
         bus.and_then(|(bus, master)| bus.health(*master)).unwrap_or_default()
+    }
+}
+
+impl<P: Plant> Buses for Network<P> {
+    fn count(&self) -> usize {
+        self.buses.len()
+    }
+
+    fn now(&self) -> u64 {
+        self.now
+    }
+
+    fn send(&mut self, bus: usize, frame: &Frame) -> Result<(), BusError> {
+        Self::send(self, bus, frame)
+    }
+
+    fn receive(&mut self, deadline: u64) -> Result<Option<(usize, Received)>, BusError> {
+        Ok(Self::receive(self, deadline))
+    }
+
+    fn health(&self, bus: usize) -> Health {
+        self.master_health(bus)
     }
 }

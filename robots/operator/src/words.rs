@@ -58,7 +58,7 @@ pub const fn refusal(refusal: Refusal) -> &'static str {
 }
 
 /// All faults in their order, in words.
-const FAULTS: [(Fault, &str); 25] = [
+const FAULTS: [(Fault, &str); 26] = [
     (Fault::NoBoot, "no boot-up"),
     (Fault::Setup, "set-up refused"),
     (Fault::Heartbeat, "heartbeat lost"),
@@ -84,6 +84,7 @@ const FAULTS: [(Fault, &str); 25] = [
     (Fault::EmergencyStop, "emergency stop"),
     (Fault::OperatorSilent, "operator is silent"),
     (Fault::Process, "process ended"),
+    (Fault::BusErrors, "errors on a bus"),
 ];
 
 /// A fault's number in words.

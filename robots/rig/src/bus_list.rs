@@ -1,27 +1,19 @@
 //! Names of buses, as a user gives them.
 
-use crate::{Error, Wired};
-#[cfg(unix)]
-use shapebot_bus::Slcan;
+use crate::Error;
 #[cfg(unix)]
 use shapebot_bus::serial::Serial;
 #[cfg(unix)]
 use shapebot_bus::slcan::Adapter;
-use shapebot_bus::{Bus, Recorded, Slowed};
+use shapebot_bus::{BAUD, Bus, PortName, Recorded, Slowed, Wired};
 use shapebot_drive_build::DriveDescription;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Baud rate of serial adapters; those on USB do not care.
-#[cfg(unix)]
-const BAUD: u32 = 115_200;
-
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Port {
-    /// A SocketCAN interface.
-    Interface(String),
-    /// A serial adapter that speaks slcan.
-    Serial(PathBuf),
+    /// One that is there.
+    Named(PortName),
     /// A new pseudo-terminal.
     Terminal,
 }
@@ -98,8 +90,7 @@ impl BusList {
         W: Write + Clone + 'static,
     {
         let mut open = |port: &Port, bus: &shapebot_drive_build::Bus| match port {
-            Port::Interface(name) => interface(name),
-            Port::Serial(path) => serial(path, bus.bit_rate),
+            Port::Named(name) => Ok(name.open(bus.bit_rate)?),
             Port::Terminal => Err(Error::Buses("`pty` is for simulated nodes".to_owned())),
         };
         self.all(description, log, &mut open)
@@ -120,9 +111,9 @@ impl BusList {
         W: Write + Clone + 'static,
     {
         let mut paths = Vec::new();
-        let mut open = |port: &Port, _: &shapebot_drive_build::Bus| match port {
-            Port::Interface(name) => interface(name),
-            Port::Serial(path) => adapter(Some(path)).map(|(bus, _)| bus),
+        let mut open = |port: &Port, bus: &shapebot_drive_build::Bus| match port {
+            Port::Named(name @ PortName::Interface(_)) => Ok(name.open(bus.bit_rate)?),
+            Port::Named(PortName::Serial(path)) => adapter(Some(path)).map(|(bus, _)| bus),
             Port::Terminal => adapter(None).map(|(bus, path)| {
                 paths.push(path);
                 bus
@@ -160,25 +151,8 @@ impl BusList {
 fn port_of(text: &str) -> Port {
     match text {
         "pty" => Port::Terminal,
-        path if path.starts_with('/') || path.starts_with('.') => Port::Serial(path.into()),
-        name => Port::Interface(name.to_owned()),
+        name => Port::Named(name.into()),
     }
-}
-
-#[cfg(all(feature = "socketcan", target_os = "linux"))]
-fn interface(name: &str) -> Result<Box<dyn Bus>, Error> {
-    Ok(Box::new(shapebot_bus::SocketBus::open(name)?))
-}
-
-#[cfg(not(all(feature = "socketcan", target_os = "linux")))]
-fn interface(name: &str) -> Result<Box<dyn Bus>, Error> {
-    Err(Error::Buses(format!("`{name}`: built without SocketCAN (feature `socketcan`, on Linux)")))
-}
-
-#[cfg(unix)]
-fn serial(path: &std::path::Path, bit_rate: u32) -> Result<Box<dyn Bus>, Error> {
-    let port = Serial::open(path, BAUD)?;
-    Ok(Box::new(Slcan::open(port, &path.display().to_string(), bit_rate)?))
 }
 
 #[cfg(unix)]
@@ -189,11 +163,6 @@ fn adapter(path: Option<&PathBuf>) -> Result<(Box<dyn Bus>, String), Error> {
     };
     let place = port.path().to_owned();
     Ok((Box::new(Adapter::new(port, &place)), place))
-}
-
-#[cfg(not(unix))]
-fn serial(path: &std::path::Path, _: u32) -> Result<Box<dyn Bus>, Error> {
-    Err(Error::Buses(format!("`{}`: serial ports are for Unix", path.display())))
 }
 
 #[cfg(not(unix))]

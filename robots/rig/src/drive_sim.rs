@@ -1,7 +1,7 @@
 //! Simulated nodes on buses in real time.
 
-use crate::{Body, Buses, Error, Wired, world};
-use shapebot_bus::{BusError, Frame};
+use crate::{Body, Error, world};
+use shapebot_bus::{BusError, Buses as _, Frame, Wired};
 use shapebot_drive_build::DriveDescription;
 use shapebot_dynamics::Robot;
 use shapebot_nodes::{DriveUnit, Node, NodeFault, Physical, described};

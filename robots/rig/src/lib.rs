@@ -2,7 +2,7 @@
 //! against simulated ones over a simulated plant.
 //!
 //! - [`Body`]: the plant of `shapebot-sim` with legs, as what the simulated motors and sensors are on.
-//! - [`Buses`]: the buses of a drive together; in virtual time ([`network`]) or real ([`Wired`]).
+//! - [`network`]: the drive's buses in virtual time with simulated nodes; [`BusList`] opens real ones.
 //! - [`Job`] takes a robot, its drive and a plan through a task, by itself or under an operator.
 //! - [`OnDrive`] does so with robots whose sizes are known when the program runs.
 //! - [`serve`] lets a runtime work on buses; [`run`] takes it through a whole task.
@@ -12,7 +12,6 @@
 
 mod body;
 mod bus_list;
-mod buses;
 pub mod campaign;
 mod drive_sim;
 mod error;
@@ -26,7 +25,6 @@ mod world;
 
 pub use body::{Body, Stance, Touchdown};
 pub use bus_list::BusList;
-pub use buses::{Buses, Wired};
 pub use drive_sim::DriveSim;
 pub use error::Error;
 #[cfg(unix)]

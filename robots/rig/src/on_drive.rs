@@ -1,7 +1,8 @@
 //! Robots of any size on their drives.
 
 use crate::operator::{Link, Socket};
-use crate::{DriveSim, Error, Job, Outcome, Script, Wired};
+use crate::{DriveSim, Error, Job, Outcome, Script};
+use shapebot_bus::Wired;
 use shapebot_drive_build::DriveDescription;
 use shapebot_experiments::{AnyRobot, Driven, Planned, SizedRobot, Subject, circumstances};
 use shapebot_sim::Plant;

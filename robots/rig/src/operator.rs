@@ -1,7 +1,6 @@
 //! An operator beside a session: commands on a bus and over a local socket, telemetry to both.
 
-use crate::Buses;
-use shapebot_bus::BusError;
+use shapebot_bus::{BusError, Buses};
 use shapebot_drive::operator::{GainBounds, Operator, PlanStore};
 use shapebot_drive::{DriveTable, Frame};
 use shapebot_dynamics::Robot;

@@ -1,8 +1,7 @@
 //! A runtime at work on buses.
 
-use crate::Buses;
 use crate::operator::Link;
-use shapebot_bus::{BusError, ErrorState};
+use shapebot_bus::{BusError, Buses};
 use shapebot_drive::{Fault, Frame};
 use shapebot_dynamics::Robot;
 use shapebot_planner::value::Stored;
@@ -47,22 +46,13 @@ where
     let now = buses.now();
     let mut frames: Vec<(usize, Frame)> = Vec::new();
     runtime.poll(now, &mut |bus, frame| frames.push((bus, frame)));
-    for (bus, frame) in frames {
-        match buses.send(bus, &frame) {
-            Ok(()) => {}
-            Err(BusError::QueueFull { .. } | BusError::BusOff) => {
-                runtime.report(Fault::Bus, now);
-            }
-            Err(error) => {
-                runtime.report(Fault::Bus, now);
-                return Err(error);
-            }
+    match buses.send_all(frames) {
+        Ok(None) => {}
+        Ok(Some(fault)) => runtime.report(fault, now),
+        Err(error) => {
+            runtime.report(Fault::Bus, now);
+            return Err(error);
         }
-    }
-    // One that recovers by itself may be bus-off between two frames of ours.
-    let buses_of_drive = runtime.master().table().buses.len();
-    if (0..buses_of_drive).any(|bus| buses.health(bus).state == ErrorState::BusOff) {
-        runtime.report(Fault::Bus, now);
     }
     if now >= until {
         return Ok(());

@@ -1,7 +1,8 @@
 //! A task from power-up to rest on the legs.
 
-use crate::{Buses, Error, Wired, World, serve};
+use crate::{Error, World, serve};
 use nalgebra::SVector;
+use shapebot_bus::{Buses, Wired};
 use shapebot_control::State as Coordinates;
 use shapebot_drive::safety::{Request, State};
 use shapebot_drive::{Counters, Jitter, Role};

@@ -2,7 +2,8 @@
 
 use crate::operator::Link;
 use crate::session::Stage;
-use crate::{Buses, Cycle, Error, Outcome, Script, Wired, log_to, network, run, serve_with};
+use crate::{Cycle, Error, Outcome, Script, log_to, network, run, serve_with};
+use shapebot_bus::{Buses, Wired};
 use shapebot_control::Gains;
 use shapebot_drive::DriveTable;
 use shapebot_drive_build::DriveDescription;

@@ -252,8 +252,11 @@ impl<'a> Master<'a> {
     }
 
     /// Reports a fault that the master cannot see: the bus is off, the process ends, the operator's link
-    /// is gone.
+    /// is gone. [`Fault::BusErrors`] is none where drives are not to be enabled.
     pub fn report(&mut self, fault: Fault, now: u64) {
+        if fault == Fault::BusErrors && !self.state.enables_drives() {
+            return;
+        }
         self.raise(fault, None, now, 0);
         self.step(now);
     }

@@ -1,7 +1,8 @@
 //! A robot in each of its states, kept.
 
 use crate::session::Stage as _;
-use crate::{Buses as _, Error, World, network, serve};
+use crate::{Error, World, network, serve};
+use shapebot_bus::Buses as _;
 use shapebot_control::Gains;
 use shapebot_drive::safety::{Request, State};
 use shapebot_drive::{DriveTable, Fault};

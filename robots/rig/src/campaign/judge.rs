@@ -1,8 +1,8 @@
 //! A fault injected, and how it went.
 
 use crate::campaign::{Case, Checkpoint, Expect, Injection, Subject, Verdict, Violation, balances};
-use crate::{Buses as _, Error, World, network, serve};
-use shapebot_bus::{Effect, Select};
+use crate::{Error, World, network, serve};
+use shapebot_bus::{Buses as _, Effect, Select};
 use shapebot_drive::legs::{COMMAND, LegsCommand};
 use shapebot_drive::safety::{Request, State};
 use shapebot_drive::{FaultRecord, Role};

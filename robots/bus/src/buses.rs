@@ -1,10 +1,13 @@
 //! The buses of a drive, together.
 
-use shapebot_bus::{Bus, BusError, Frame, Health, Received};
-use shapebot_nodes::{Network, Plant};
+use crate::{Bus, BusError, ErrorState, Frame, Health, Received};
+use shapebot_drive::Fault;
 
 /// All buses of a drive, as one party sees them.
 pub trait Buses {
+    /// Number of buses.
+    fn count(&self) -> usize;
+
     /// Time, µs; it never goes back.
     fn now(&self) -> u64;
 
@@ -24,26 +27,42 @@ pub trait Buses {
 
     /// State of the controller of a bus, as far as it tells; one that recovers by itself is bus-off for
     /// some milliseconds only.
-    fn health(&self, _bus: usize) -> Health {
-        Health::default()
-    }
-}
+    fn health(&self, bus: usize) -> Health;
 
-impl<P: Plant> Buses for Network<P> {
-    fn now(&self) -> u64 {
-        Bus::now(self)
+    /// Hands over all frames, each with its bus, whatever becomes of those before it. Gives the fault of
+    /// the drive that this shows: [`Fault::Bus`] if a bus takes no frames now, else what [`Self::fault`]
+    /// says.
+    ///
+    /// # Errors
+    ///
+    /// The first error after which a bus cannot be used any more.
+    fn send_all(
+        &mut self,
+        frames: impl IntoIterator<Item = (usize, Frame)>,
+    ) -> Result<Option<Fault>, BusError>
+    where
+        Self: Sized,
+    {
+        let (mut refused, mut failed) = (false, Ok(()));
+        for (bus, frame) in frames {
+            match self.send(bus, &frame) {
+                Ok(()) => {}
+                Err(BusError::QueueFull { .. } | BusError::BusOff) => refused = true,
+                Err(error) => failed = failed.and(Err(error)),
+            }
+        }
+        failed.map(|()| if refused { Some(Fault::Bus) } else { self.fault() })
     }
 
-    fn send(&mut self, bus: usize, frame: &Frame) -> Result<(), BusError> {
-        Self::send(self, bus, frame)
-    }
-
-    fn receive(&mut self, deadline: u64) -> Result<Option<(usize, Received)>, BusError> {
-        Ok(Self::receive(self, deadline))
-    }
-
-    fn health(&self, bus: usize) -> Health {
-        self.master_health(bus)
+    /// What the controllers' states mean to the drive: [`Fault::Bus`] if one is bus-off,
+    /// [`Fault::BusErrors`] if one is error-passive.
+    fn fault(&self) -> Option<Fault> {
+        let worst = (0..self.count()).map(|bus| self.health(bus).state).max();
+        match worst {
+            Some(ErrorState::BusOff) => Some(Fault::Bus),
+            Some(ErrorState::Passive) => Some(Fault::BusErrors),
+            Some(ErrorState::Active) | None => None,
+        }
     }
 }
 
@@ -83,8 +102,8 @@ impl Wired {
 }
 
 impl Buses for Wired {
-    fn health(&self, bus: usize) -> Health {
-        self.buses.get(bus).map(|bus| bus.health()).unwrap_or_default()
+    fn count(&self) -> usize {
+        self.buses.len()
     }
 
     fn now(&self) -> u64 {
@@ -115,5 +134,9 @@ impl Buses for Wired {
                 return Ok(Some(found));
             }
         }
+    }
+
+    fn health(&self, bus: usize) -> Health {
+        self.buses.get(bus).map(|bus| bus.health()).unwrap_or_default()
     }
 }
