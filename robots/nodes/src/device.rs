@@ -99,6 +99,8 @@ pub(crate) struct Device {
     heartbeat_at: Option<u64>,
     consumers: Vec<Consumer>,
     pub(crate) last_sync: Option<u64>,
+    /// Lateness of SYNC and receive PDOs that is forgiven, µs.
+    pub(crate) slack: u64,
     pub(crate) sends_heartbeat: bool,
     pub(crate) sends_pdos: bool,
 }
@@ -123,6 +125,7 @@ impl Device {
             heartbeat_at: None,
             consumers: Vec::new(),
             last_sync: None,
+            slack: 0,
             sends_heartbeat: true,
             sends_pdos: true,
         }
@@ -295,8 +298,10 @@ impl Device {
         if !self.is_operational() {
             return None;
         }
+        let slack = self.slack;
         for reception in self.receive.iter_mut().filter(|r| r.pdo.event_us > 0) {
-            if reception.last.is_some_and(|last| now >= last + reception.pdo.event_us) {
+            let deadline = reception.pdo.event_us + slack;
+            if reception.last.is_some_and(|last| now >= last + deadline) {
                 reception.last = None;
                 return Some(CommunicationError::Deadline);
             }
@@ -308,10 +313,10 @@ impl Device {
         None
     }
 
-    /// Two and a half cycles after the last SYNC.
+    /// Two and a half cycles after the last SYNC, and what is forgiven.
     fn sync_deadline(&self) -> Option<u64> {
         let period = self.cycle_period();
-        self.last_sync.filter(|_| period > 0).map(|last| last + period * 5 / 2)
+        self.last_sync.filter(|_| period > 0).map(|last| last + period * 5 / 2 + self.slack)
     }
 
     /// The next time at which a timer is over, µs.
@@ -325,7 +330,8 @@ impl Device {
             return heartbeat.min();
         }
         let deadlines = self.receive.iter().filter(|r| r.pdo.event_us > 0);
-        let deadlines = deadlines.filter_map(|r| r.last.map(|last| last + r.pdo.event_us));
+        let slack = self.slack;
+        let deadlines = deadlines.filter_map(|r| Some(r.last? + r.pdo.event_us + slack));
         let events = self.transmit.iter().filter(|t| !t.pdo.is_synchronous());
         let events = events.filter_map(|t| {
             let changed = t.sent != Some(t.pdo.pack(&self.dictionary));

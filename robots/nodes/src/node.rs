@@ -281,6 +281,12 @@ impl Node {
         }
     }
 
+    /// Forgives SYNC and receive PDOs that come late by so many µs more: no drive does, but a computer that
+    /// plays drive and master may need it.
+    pub const fn forgive(&mut self, micros: u64) {
+        self.device.slack = micros;
+    }
+
     /// Ends the faults that are switches; a dead node stays dead, a missing object missing.
     pub fn heal(&mut self) {
         self.device.sends_heartbeat = true;

@@ -50,6 +50,13 @@ where
         Ok(Self { buses, nodes, unit, plant_time: 0, lost: 0 })
     }
 
+    /// The same with nodes that forgive SYNC and receive PDOs that are late by so many µs more.
+    #[must_use]
+    pub fn forgiving(mut self, micros: u64) -> Self {
+        self.nodes.iter_mut().for_each(|(_, node)| node.forgive(micros));
+        self
+    }
+
     /// The body.
     #[must_use]
     pub const fn body(&self) -> &Body<'a, R, N, NX, NS> {

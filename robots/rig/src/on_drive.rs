@@ -45,6 +45,8 @@ pub struct OnDrive<'a> {
     pub planned: Planned<'a>,
     /// Its drive.
     pub drive: &'a DriveDescription,
+    /// Lateness that both sides forgive in real time beyond what the drive allows, µs.
+    pub slack: u32,
 }
 
 /// Runs a method with the robot at its own sizes: those of which a drive has telemetry.
@@ -114,7 +116,8 @@ impl OnDrive<'_> {
         let Planned { motion, id, .. } = self.planned;
         let plan = motion.files.binary.as_slice();
         let (design, description) = (self.driven.design, self.drive);
-        Job { robot, id, design, description, plan, script: Script::default() }
+        let script = Script { slack: self.slack, ..Script::default() };
+        Job { robot, id, design, description, plan, script }
     }
 
     fn subject<'r, const N: usize, const NX: usize, const NS: usize>(
@@ -170,7 +173,8 @@ impl OnDrive<'_> {
         const TURN: u64 = 20_000;
         let (system, scenario) = circumstances(self.subject(robot), self.planned.task)?;
         let plant = Plant::new(&*system, &robot, &scenario, PLANT_STEP)?;
-        let mut nodes = DriveSim::new(self.drive, &robot, &plant, buses)?;
+        let nodes = DriveSim::new(self.drive, &robot, &plant, buses)?;
+        let mut nodes = nodes.forgiving(self.slack.into());
         while go_on(nodes.now()) {
             nodes.run(nodes.now() + TURN)?;
         }

@@ -5,7 +5,7 @@ use nalgebra::SVector;
 use shapebot_bus::{Buses, Wired};
 use shapebot_control::State as Coordinates;
 use shapebot_drive::safety::{Request, State};
-use shapebot_drive::{Counters, Jitter, Role};
+use shapebot_drive::{Counters, DriveTable, Jitter, Role};
 use shapebot_dynamics::Robot;
 use shapebot_nodes::Mechanism;
 use shapebot_planner::value::{PlanView, Stored};
@@ -46,12 +46,28 @@ pub struct Script {
     pub before: u64,
     /// Standing after it.
     pub after: u64,
+    /// Lateness that is forgiven beyond what the drive's table allows: for computers that keep no time.
+    pub slack: u32,
+}
+
+impl Script {
+    /// The table with limits that forgive lateness.
+    pub(crate) fn forgiving<'t>(&self, mut table: DriveTable<'t>) -> DriveTable<'t> {
+        let cycles = self.slack.div_ceil(table.timing.period_us.max(1));
+        let cycles = u8::try_from(cycles).unwrap_or(u8::MAX);
+        let (timing, safety) = (&mut table.timing, &mut table.safety);
+        timing.jitter_limit_us = timing.jitter_limit_us.saturating_add(self.slack);
+        for limit in [&mut timing.missed_fault, &mut safety.stale_fault, &mut safety.silent_fault] {
+            *limit = limit.saturating_add(cycles);
+        }
+        table
+    }
 }
 
 impl Default for Script {
-    /// Three seconds before the plan, two after it.
+    /// Three seconds before the plan, two after it; nothing is forgiven.
     fn default() -> Self {
-        Self { patience: 10_000_000, before: 3_000_000, after: 2_000_000 }
+        Self { patience: 10_000_000, before: 3_000_000, after: 2_000_000, slack: 0 }
     }
 }
 

@@ -88,7 +88,7 @@ impl<R> Job<'_, R> {
         /// Longest time between two looks at the operator, µs.
         const TURN: u64 = 2_000;
         let tables = self.description.tables();
-        let table = tables.table();
+        let table = self.script.forgiving(tables.table());
         let mut link = link(&table)?;
         let plan = self.view::<N, NX, NS>()?;
         let mut runtime = self.runtime(&table, plan)?;
@@ -131,7 +131,7 @@ impl<R> Job<'_, R> {
         S: Stage<N>,
     {
         let tables = self.description.tables();
-        let table = tables.table();
+        let table = self.script.forgiving(tables.table());
         let plan = self.view::<N, NX, NS>()?;
         let mut runtime = self.runtime(&table, plan)?;
         run(&mut runtime, (self.robot, &plan), stage, &self.script, each)

@@ -5,6 +5,7 @@ mod traffic;
 
 use common::{can_utils, folder, on_vcan};
 use shapebot_bus::candump;
+use shapebot_drive::DriveTable;
 use shapebot_drive_build::{DriveDescription, Source};
 use shapebot_dynamics::LagrangianSystem as _;
 use shapebot_generated::ballbot_planar::BallbotPlanar;
@@ -27,10 +28,10 @@ duration = "3 s"
 "#;
 
 /// How many times slower time may run before a computer is too busy for this test.
-const PACES: [u32; 3] = [1, 4, 16];
+const PACES: [u32; 3] = [1, 3, 9];
 
 /// Faults that say that a process did not run when it should have.
-const LATE: [&str; 5] = ["SyncJitter", "MissedInputs", "SensorStale", "8700)", "8250)"];
+const LATE: [&str; 5] = ["SyncJitter", "MissedInputs", "ControllerSilent", "8700)", "8250)"];
 
 fn drive() -> DriveDescription {
     let text = shapebot_drives::text("ballbot_planar").expect("a drive");
@@ -39,39 +40,74 @@ fn drive() -> DriveDescription {
     source.check(robot.description()).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
-/// Both programs at a pace, `candump -L` beside them.
+/// Lateness that both programs forgive, ms of the bus.
+const SLACK: u32 = 20;
+
+/// Both programs at a pace, `candump -L` beside them, which has the lowest right to the processor and gets
+/// room for what it takes late. The log is in memory until the end: writing to the host's files takes time.
 fn commands(pace: u32) -> String {
     let tool = env!("CARGO_BIN_EXE_vcan-shapebot");
-    // The log is in memory until the end: writing to the host's files takes its time.
+    let how = format!("walk.toml --bus vcan0 --slow {pace} --slack {SLACK}");
     format!(
-        "mount -t tmpfs none /tmp || exit 70\n\
-         candump -L vcan0 >/tmp/dump.log & dump=$!\n\
-         {tool} drive-sim walk.toml --bus vcan0 --slow {pace} >nodes.txt 2>&1 & nodes=$!\n\
+        "mkdir -p /dev/shm && mount -t tmpfs none /dev/shm || exit 70\n\
+         candump -L -r 8388608 vcan0 >/dev/shm/dump.log & dump=$!\n\
+         {tool} drive-sim {how} >nodes.txt 2>&1 & nodes=$!\n\
          sleep 1\n\
-         {tool} run walk.toml --bus vcan0 --slow {pace} >run.txt 2>&1; code=$?\n\
-         kill $dump $nodes; wait\n\
-         cp /tmp/dump.log dump.log\n\
+         {tool} run {how} >run.txt 2>&1; code=$?\n\
+         sleep 1; kill $dump $nodes; wait\n\
+         cp /dev/shm/dump.log dump.log\n\
          exit $code\n"
     )
 }
 
-/// Runs the task; the pace at which it came to its end. `None` where user-mode Linux is missing.
-fn run(folder: &Path) -> Option<u32> {
-    let mut late = String::new();
-    for pace in PACES {
-        let output = on_vcan(folder, &commands(pace))?;
-        let text = |name| fs::read_to_string(folder.join(name)).unwrap_or_default();
-        let (said, nodes) = (text("run.txt"), text("nodes.txt"));
-        if output.status.success() {
-            say(&said);
-            return Some(pace);
-        }
+/// Runs the task; what was on the bus, or what the master said of its lateness. `None` where user-mode
+/// Linux is missing.
+fn run(folder: &Path, pace: u32, table: &DriveTable<'_>) -> Option<Result<Traffic, String>> {
+    let output = on_vcan(folder, &commands(pace))?;
+    let text = |name| fs::read_to_string(folder.join(name)).unwrap_or_default();
+    let said = text("run.txt");
+    if !output.status.success() {
         let is_late = LATE.iter().any(|fault| said.contains(fault));
-        assert!(is_late, "{said}\nnodes: {nodes}\n{output:?}");
-        late += &format!("at {pace}: {said}");
-        say(&format!("vcan0, time slowed {pace} times: {}", said.trim()));
+        assert!(is_late, "{said}\nnodes: {}\n{output:?}", text("nodes.txt"));
+        return Some(Err(said));
     }
-    panic!("this computer keeps no time:\n{late}");
+    let log = folder.join("dump.log");
+    let file = fs::File::open(&log).expect("candump's log");
+    let entries = candump::read(&log, std::io::BufReader::new(file)).expect("a log");
+    Some(Ok(Traffic::of(entries, table)))
+}
+
+/// What no scheduling may change.
+fn check(traffic: &Traffic, table: &DriveTable<'_>) {
+    assert!(traffic.strange.is_empty(), "{:?}", traffic.strange);
+    assert!(traffic.emergencies.is_empty(), "{:?}", traffic.emergencies);
+    // Each node is set up, each step answered, and started.
+    for node in table.nodes {
+        let answers = traffic.answers.get(&node.id.raw()).copied().unwrap_or(0);
+        assert!(answers >= node.setup.len(), "{}: {answers} answers", node.name);
+    }
+    assert_eq!(traffic.aborts, 0);
+    assert!(traffic.starts > 0 && traffic.enabled > 1000, "{}", traffic.enabled);
+    // It balances: torque is given, within limits, the legs are up, and down again at the end.
+    assert!(
+        traffic.torques > 1000 && traffic.beyond == 0,
+        "{} {}",
+        traffic.torques,
+        traffic.beyond
+    );
+    assert!(traffic.rose && traffic.legs.is_some_and(|legs| legs.is_down()));
+    // Three seconds of standing, three of motion, two of standing.
+    assert!(traffic.cycles > 3000, "{} cycles", traffic.cycles);
+}
+
+/// Whether SYNC keeps its period, but for what is skipped when the computer stalls, and whether nearly all cycles are whole, inputs before commands.
+fn keeps_time(traffic: &Traffic, period: u32) -> bool {
+    let near = |value: f64, part: f64| (value / f64::from(period) - 1.0).abs() < part;
+    let most = traffic.cycles / 20;
+    traffic.complete >= traffic.cycles - most
+        && traffic.ordered >= traffic.complete - most
+        && near(traffic.mean_period(), 0.05)
+        && near(traffic.median_period() as f64, 0.05)
 }
 
 #[test]
@@ -81,44 +117,24 @@ fn a_robot_is_driven_over_socketcan() {
     }
     let folder = folder("robot");
     fs::write(folder.join("walk.toml"), TASK).expect("the task");
-    let Some(pace) = run(&folder) else { return };
-
-    let log = folder.join("dump.log");
-    let file = fs::File::open(&log).expect("candump's log");
-    let entries = candump::read(&log, std::io::BufReader::new(file)).expect("a log");
     let description = drive();
     let tables = description.tables();
     let table = tables.table();
-    let traffic = Traffic::of(entries, &table);
-    say(&format!("vcan0, time slowed {pace} times: {traffic}"));
-
-    assert!(traffic.strange.is_empty(), "{:?}", traffic.strange);
-    assert!(traffic.emergencies.is_empty(), "{:?}", traffic.emergencies);
-    // Each node is set up, each step answered, and started.
-    for node in table.nodes {
-        let answers = traffic.answers.get(&node.id.raw()).copied().unwrap_or(0);
-        assert!(answers >= node.setup.len(), "{}: {answers} answers", node.name);
+    for pace in PACES {
+        let Some(result) = run(&folder, pace, &table) else { return };
+        let period = table.timing.period_us * pace;
+        match result {
+            Ok(traffic) => {
+                say(&format!("vcan0, SYNC each {period} us: {traffic}"));
+                check(&traffic, &table);
+                if keeps_time(&traffic, period) {
+                    return;
+                }
+            }
+            Err(said) => say(&format!("vcan0, SYNC each {period} us: {}", said.trim())),
+        }
     }
-    assert_eq!(traffic.aborts, 0);
-    assert!(traffic.starts > 0 && traffic.enabled > 1000, "{traffic:?}");
-    // It balances: torque is given, within limits, the legs are up, and down again at the end.
-    assert!(
-        traffic.torques > 1000 && traffic.beyond == 0,
-        "{} {}",
-        traffic.torques,
-        traffic.beyond
-    );
-    assert!(traffic.rose && traffic.legs.is_some_and(|legs| legs.is_down()));
-    // Three seconds of standing, three of motion, two of standing, at 500 Hz.
-    assert!(traffic.cycles > 4000, "{} cycles", traffic.cycles);
-    // What scheduling may cost is counted, what it may not change is the order.
-    let most = traffic.cycles / 20;
-    assert!(traffic.complete >= traffic.cycles - most, "{traffic}");
-    assert!(traffic.ordered >= traffic.complete - most, "{traffic}");
-    let period = f64::from(table.timing.period_us * pace);
-    assert!((traffic.mean_period() / period - 1.0).abs() < 0.01, "{traffic}");
-    let median = traffic.median_period() as f64;
-    assert!((median / period - 1.0).abs() < 0.05, "{traffic}");
+    panic!("this computer keeps no time");
 }
 
 /// Two drives and an IMU in one cycle, as the planar ballbot's are wired.

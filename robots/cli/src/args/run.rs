@@ -28,8 +28,12 @@ pub(crate) struct OnDriveArgs {
     pub(crate) log: Option<PathBuf>,
 
     /// Time on the buses runs N times slower, for computers that other work holds up; both ends alike
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "bus", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) slow: u32,
+
+    /// Lateness in ms that both ends forgive beyond what the drive allows, for computers that keep no time
+    #[arg(long, value_name = "MS", default_value_t = 0, requires = "bus", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    pub(crate) slack: u32,
 
     /// Priority of SCHED_FIFO in real time, 1 to 99
     #[arg(long, value_name = "N", default_value_t = 80, value_parser = clap::value_parser!(u8).range(1..=99))]

@@ -20,6 +20,8 @@ struct Opened {
     drive: Drive,
     robot: Box<dyn Dynamics>,
     log: Option<Log>,
+    /// µs.
+    slack: u32,
 }
 
 fn opened(args: &OnDriveArgs) -> Outcome<Opened> {
@@ -35,7 +37,7 @@ fn opened(args: &OnDriveArgs) -> Outcome<Opened> {
         }
         None => None,
     };
-    Ok(Opened { task, drive, robot, log })
+    Ok(Opened { task, drive, robot, log, slack: 1000 * args.slack })
 }
 
 /// The task's robot as the tool opens it: a model file stands relative to the task.
@@ -57,6 +59,7 @@ impl Opened {
             driven: self.robot.driven()?,
             planned: Planned { task: &self.task, motion: &motion, id: &id },
             drive: &self.drive.description,
+            slack: self.slack,
         })
     }
 }

@@ -3,7 +3,7 @@
 
 use shapebot_tests::copies::build_folder;
 use shapebot_tests::environment::{root, skip};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// A new folder for what a test writes.
@@ -16,7 +16,7 @@ pub(crate) fn folder(name: &str) -> PathBuf {
 
 /// Runs shell commands with vcan0 up in a folder of their own. `None`, after a line that says so, where
 /// user-mode Linux is missing.
-pub(crate) fn on_vcan(folder: &PathBuf, commands: &str) -> Option<Output> {
+pub(crate) fn on_vcan(folder: &Path, commands: &str) -> Option<Output> {
     let script = folder.join("commands.sh");
     std::fs::write(&script, commands).expect("the commands");
     let program = root().join("tests/vcan/vcan");
