@@ -35,4 +35,4 @@ pub use paced::Paced;
 pub use serve::serve;
 pub use session::{Cycle, Outcome, Script, Stage, run};
 pub use task::Job;
-pub use world::{World, log_to, network};
+pub use world::{World, hold_unless_driven, log_to, network};

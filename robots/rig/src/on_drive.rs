@@ -2,8 +2,10 @@
 
 use crate::{DriveSim, Error, Job, Outcome, Script};
 #[cfg(target_os = "linux")]
-use crate::{Paced, log_to, network};
+use crate::{Paced, hold_unless_driven, log_to, network};
 use shapebot_bus::Wired;
+#[cfg(target_os = "linux")]
+use shapebot_drive::Role;
 use shapebot_drive_build::DriveDescription;
 use shapebot_experiments::{AnyRobot, Driven, Planned, SizedRobot, Subject, circumstances};
 #[cfg(target_os = "linux")]
@@ -166,7 +168,13 @@ impl OnDrive<'_> {
         if let Some(log) = log {
             log_to(&mut world, self.drive, log);
         }
-        self.job(&robot).attend(Paced::new(world), Some(socket), signals)
+        let legs = self.drive.nodes.iter().any(|node| node.role == Role::Legs);
+        let world = Paced::new(world, |world| {
+            if !legs {
+                hold_unless_driven(world);
+            }
+        });
+        self.job(&robot).attend(world, Some(socket), signals)
     }
 
     fn serve_nodes_sized<const N: usize, const NX: usize, const NS: usize>(

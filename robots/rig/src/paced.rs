@@ -5,19 +5,20 @@ use std::time::{Duration, Instant};
 
 /// Buses in virtual time that lets itself be waited for: it passes as fast as real time, or slower where
 /// the computer does not keep up. Nobody on the buses is ever late because of that.
-#[derive(Debug)]
-pub struct Paced<B> {
+pub struct Paced<B, F> {
     buses: B,
+    /// Looks after what is beside the buses, whenever time has passed.
+    attend: F,
     start: Instant,
     /// Virtual time at the start, µs.
     begun: u64,
 }
 
-impl<B: Buses> Paced<B> {
-    /// Time begins to pass now.
-    pub fn new(buses: B) -> Self {
+impl<B: Buses, F: FnMut(&mut B)> Paced<B, F> {
+    /// Time begins to pass now; `attend` is called whenever it has.
+    pub fn new(buses: B, attend: F) -> Self {
         let begun = buses.now();
-        Self { buses, start: Instant::now(), begun }
+        Self { buses, attend, start: Instant::now(), begun }
     }
 
     /// Virtual time that the clock allows, µs.
@@ -27,7 +28,7 @@ impl<B: Buses> Paced<B> {
     }
 }
 
-impl<B: Buses> Buses for Paced<B> {
+impl<B: Buses, F: FnMut(&mut B)> Buses for Paced<B, F> {
     fn count(&self) -> usize {
         self.buses.count()
     }
@@ -43,7 +44,9 @@ impl<B: Buses> Buses for Paced<B> {
     fn receive(&mut self, deadline: u64) -> Result<Option<(usize, Received)>, BusError> {
         loop {
             let until = self.allowed().min(deadline);
-            if let Some(received) = self.buses.receive(until)? {
+            let received = self.buses.receive(until)?;
+            (self.attend)(&mut self.buses);
+            if let Some(received) = received {
                 return Ok(Some(received));
             }
             if self.now() >= deadline {
@@ -93,13 +96,14 @@ mod tests {
 
     #[test]
     fn virtual_time_is_never_ahead() {
-        let start = Instant::now();
-        let mut paced = Paced::new(Silent(700));
+        let (start, mut calls) = (Instant::now(), 0);
+        let mut paced = Paced::new(Silent(700), |_| calls += 1);
         for deadline in [1_000, 500, 20_700] {
             assert!(paced.receive(deadline).expect("a silent bus").is_none());
             let passed = Duration::from_micros(paced.now() - 700);
             assert!(start.elapsed() >= passed, "{passed:?}");
         }
         assert_eq!(paced.now(), 20_700);
+        assert!(calls >= 3, "{calls}");
     }
 }
