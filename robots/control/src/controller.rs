@@ -94,6 +94,17 @@ where
         Ok(Self { robot, gains, plant, compensation_gain, force_step, offset_limit, memory: None })
     }
 
+    /// Goes on with other gains from the next step: integrals and estimates are kept.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::new`]; the gains are what they were then.
+    pub fn set_gains(&mut self, gains: Gains<T, NX, NS>) -> Result<(), Error> {
+        let memory = self.memory;
+        *self = Self { memory, ..Self::new(self.robot, &gains)? };
+        Ok(())
+    }
+
     /// Its gains.
     pub fn gains(&self) -> &Gains<T, NX, NS> {
         &self.gains

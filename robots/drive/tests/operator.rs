@@ -4,15 +4,51 @@ mod common;
 
 use common::{PLANAR, Run, description};
 use proptest::prelude::*;
+use shapebot_drive::Master;
 use shapebot_drive::crc::crc32;
 use shapebot_drive::operator::command::{CHUNK, decode, encode, encode_chunk};
 use shapebot_drive::operator::{
-    Event, GainBounds, Operator, Order, Page, PlanError, PlanStore, Refusal, stream,
+    Commanded, Operator, Order, Page, PlanError, PlanStore, Refusal, stream,
 };
 use shapebot_drive::safety::{Request, State};
 
-const GAINS: [GainBounds; 2] =
-    [GainBounds { low: 0.0, high: 500.0 }, GainBounds { low: -1.0, high: 1.0 }];
+/// A master under an operator, with one gain of 0 to 500, and what it was told.
+struct Told<'m, 't> {
+    master: &'m mut Master<'t>,
+    gain: Option<f32>,
+    watch: Option<bool>,
+    heard: u32,
+}
+
+impl<'m, 't> Told<'m, 't> {
+    fn new(master: &'m mut Master<'t>) -> Self {
+        Self { master, gain: None, watch: None, heard: 0 }
+    }
+}
+
+impl Commanded for Told<'_, '_> {
+    fn request(&mut self, request: Request, now: u64) -> bool {
+        self.master.request(request, now)
+    }
+
+    fn aim(&mut self, heading: f32) {
+        self.master.aim(heading);
+    }
+
+    fn set_gain(&mut self, index: u8, value: f32) -> bool {
+        let within = index == 0 && (0.0..=500.0).contains(&value);
+        self.gain = within.then_some(value);
+        within
+    }
+
+    fn watch(&mut self, on: bool, _now: u64) {
+        self.watch = Some(on);
+    }
+
+    fn heard(&mut self, _now: u64) {
+        self.heard += 1;
+    }
+}
 
 /// A standing robot, and what it takes from its operator.
 fn standing(test: impl FnOnce(&mut Run<'_>, &mut Operator<'_>, u32)) {
@@ -23,14 +59,15 @@ fn standing(test: impl FnOnce(&mut Run<'_>, &mut Operator<'_>, u32)) {
     run.stand();
     let (mut active, mut pending) = ([0; 256], [0; 256]);
     let store = PlanStore::new(&mut active, &mut pending);
-    let mut operator = Operator::new(table.fingerprint, &GAINS, store);
+    let mut operator = Operator::new(table.fingerprint, store);
     test(&mut run, &mut operator, table.fingerprint);
 }
 
-fn take(run: &mut Run<'_>, operator: &mut Operator<'_>, bytes: &[u8]) -> (Refusal, Option<Event>) {
+fn take(run: &mut Run<'_>, operator: &mut Operator<'_>, bytes: &[u8]) -> Refusal {
     let now = run.now();
-    let event = operator.receive(bytes, &mut run.master, now);
-    (operator.refusal(), event)
+    let taken = operator.receive(bytes, &mut Told::new(&mut run.master), now);
+    assert_eq!(operator.refusal(), taken.err().unwrap_or_default());
+    operator.refusal()
 }
 
 /// "stop" with sequence 7 for the fingerprint 0x01020304, checked by an independent computation of the
@@ -48,49 +85,52 @@ fn a_command_has_these_bytes() {
 fn sessions_sequences_and_states_are_kept() {
     standing(|run, operator, key| {
         let ask = |request, sequence| encode(Order::Ask(request), sequence, key);
-        assert_eq!(take(run, operator, &ask(Request::Balance, 1)).0, Refusal::NoSession);
-        assert_eq!(take(run, operator, &encode(Order::Hello, 200, key)).0, Refusal::None);
-        assert_eq!(take(run, operator, &ask(Request::Balance, 201)).0, Refusal::None);
+        assert_eq!(take(run, operator, &ask(Request::Balance, 1)), Refusal::NoSession);
+        assert_eq!(take(run, operator, &encode(Order::Hello, 200, key)), Refusal::None);
+        assert_eq!(take(run, operator, &ask(Request::Balance, 201)), Refusal::None);
         assert_eq!(run.master.state(), State::Balancing);
         // A replay, one too far ahead, one that the state does not allow.
-        assert_eq!(take(run, operator, &ask(Request::Balance, 201)).0, Refusal::Sequence);
-        assert_eq!(take(run, operator, &ask(Request::KeepStation, 220)).0, Refusal::Sequence);
-        assert_eq!(take(run, operator, &ask(Request::Start, 202)).0, Refusal::State);
+        assert_eq!(take(run, operator, &ask(Request::Balance, 201)), Refusal::Sequence);
+        assert_eq!(take(run, operator, &ask(Request::KeepStation, 220)), Refusal::Sequence);
+        assert_eq!(take(run, operator, &ask(Request::Start, 202)), Refusal::State);
         // An old hello does not open the session again.
-        assert_eq!(take(run, operator, &encode(Order::Hello, 200, key)).0, Refusal::Sequence);
+        assert_eq!(take(run, operator, &encode(Order::Hello, 200, key)), Refusal::Sequence);
         // Each bit matters.
         for bit in 0..64 {
             let mut bytes = ask(Request::KeepStation, 203);
             bytes[bit / 8] ^= 1 << (bit % 8);
-            let (refusal, _) = take(run, operator, &bytes);
+            let refusal = take(run, operator, &bytes);
             let expected = if bit == 7 { Refusal::Plan } else { Refusal::Checksum };
             assert_eq!(refusal, expected, "bit {bit}");
         }
         assert_eq!(run.master.state(), State::Balancing);
         // Stopping is taken at any time.
-        assert_eq!(take(run, operator, &ask(Request::EmergencyStop, 90)).0, Refusal::None);
+        assert_eq!(take(run, operator, &ask(Request::EmergencyStop, 90)), Refusal::None);
         assert_eq!(run.master.state(), State::FaultDown);
     });
 }
 
 #[test]
-fn gains_stay_within_bounds() {
+fn gains_and_watch_are_passed_on_and_only_what_is_sequenced_is_heard() {
     standing(|run, operator, key| {
-        take(run, operator, &encode(Order::Hello, 0, key));
-        for (sequence, index, value, expected) in [
-            (1, 0, 320.0, Refusal::None),
-            (2, 0, 500.1, Refusal::Bounds),
-            (3, 0, f32::NAN, Refusal::Bounds),
-            (4, 1, -1.0, Refusal::None),
-            (5, 2, 0.0, Refusal::Bounds),
-            (6, 0, f32::INFINITY, Refusal::Bounds),
-        ] {
-            let bytes = encode(Order::Gain(index, value), sequence, key);
-            let (refusal, event) = take(run, operator, &bytes);
-            assert_eq!(refusal, expected, "{index} {value}");
-            let taken = (expected == Refusal::None).then_some(Event::Gain { index, value });
-            assert_eq!(event, taken);
+        let mut robot = Told::new(&mut run.master);
+        let mut tell = |order, sequence| {
+            let taken = operator.receive(&encode(order, sequence, key), &mut robot, 0);
+            (taken, robot.gain.take(), robot.watch.take(), core::mem::take(&mut robot.heard))
+        };
+        assert_eq!(tell(Order::Hello, 0), (Ok(()), None, None, 1));
+        assert_eq!(tell(Order::Gain(0, 320.0), 1), (Ok(()), Some(320.0), None, 1));
+        for (sequence, index, value) in
+            [(2, 0, 500.1), (3, 0, f32::NAN), (4, 2, 0.0), (5, 0, f32::INFINITY)]
+        {
+            let told = tell(Order::Gain(index, value), sequence);
+            assert_eq!(told, (Err(Refusal::Bounds), None, None, 1));
         }
+        assert_eq!(tell(Order::Watch(true), 6), (Ok(()), None, Some(true), 1));
+        assert_eq!(tell(Order::Watch(false), 7), (Ok(()), None, Some(false), 1));
+        // Replays, and what anybody can replay.
+        assert_eq!(tell(Order::Watch(true), 7), (Err(Refusal::Sequence), None, None, 0));
+        assert_eq!(tell(Order::Ask(Request::Stop), 7), (Ok(()), None, None, 0));
     });
 }
 
@@ -114,7 +154,7 @@ fn upload(
     for (index, part) in file.chunks(CHUNK).enumerate() {
         take(run, operator, &encode_chunk(index as u32, part));
     }
-    take(run, operator, &encode(Order::PlanEnd(crc), from + 1, key)).0
+    take(run, operator, &encode(Order::PlanEnd(crc), from + 1, key))
 }
 
 #[test]
@@ -136,13 +176,13 @@ fn plans_are_uploaded_checked_and_swapped_at_rest() {
         assert_eq!(upload(run, operator, key, 5, &broken, crc32(&broken)), Refusal::Plan);
         take(run, operator, &encode(Order::PlanBegin(101), 7, key));
         take(run, operator, &encode_chunk(0, &file[..7]));
-        assert_eq!(take(run, operator, &encode_chunk(2, &file[14..21])).0, Refusal::Plan);
+        assert_eq!(take(run, operator, &encode_chunk(2, &file[14..21])), Refusal::Plan);
         assert_eq!(
-            take(run, operator, &encode(Order::PlanEnd(crc32(&file)), 8, key)).0,
+            take(run, operator, &encode(Order::PlanEnd(crc32(&file)), 8, key)),
             Refusal::Plan
         );
-        assert_eq!(take(run, operator, &encode(Order::PlanBegin(257), 9, key)).0, Refusal::Plan);
-        assert_eq!(take(run, operator, &encode_chunk(0, &file[..7])).0, Refusal::Plan);
+        assert_eq!(take(run, operator, &encode(Order::PlanBegin(257), 9, key)), Refusal::Plan);
+        assert_eq!(take(run, operator, &encode_chunk(0, &file[..7])), Refusal::Plan);
         // The plan in use is what it was.
         assert_eq!(operator.plans().active(), Some(&file[..]));
     });
@@ -195,13 +235,14 @@ proptest! {
         let description = description("ballbot_planar", &PLANAR);
         let tables = description.tables();
         let table = tables.table();
-        let mut master = shapebot_drive::Master::new(&table);
+        let mut master = Master::new(&table);
         let (mut active, mut pending) = ([0; 64], [0; 64]);
         let store = PlanStore::new(&mut active, &mut pending);
-        let mut operator = Operator::new(table.fingerprint, &GAINS, store);
-        operator.receive(&encode(Order::Hello, 0, table.fingerprint), &mut master, 0);
+        let mut operator = Operator::new(table.fingerprint, store);
+        let hello = encode(Order::Hello, 0, table.fingerprint);
+        let _ = operator.receive(&hello, &mut Told::new(&mut master), 0);
         for (index, frame) in frames.iter().enumerate() {
-            operator.receive(frame, &mut master, index as u64);
+            let _ = operator.receive(frame, &mut Told::new(&mut master), index as u64);
             prop_assert_ne!(master.state(), State::Enabling);
         }
         let _ = Page::decode(&frames[0]);

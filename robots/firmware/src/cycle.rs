@@ -5,30 +5,35 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::exception;
-use shapebot_drive::Frame;
+use shapebot_drive::{Fault, Frame};
 
 /// What runs on the board: frames and time in, frames out.
 pub trait Application {
     /// A frame of bus `bus` that arrived, in the order of arrival. `now` is in µs since the start.
     fn receive(&mut self, bus: usize, frame: &Frame, now: u64);
+    /// A bus takes no frames, or its controller is in trouble: before the cycle in which it is noticed.
+    fn fault(&mut self, fault: Fault, now: u64);
     /// Once in a cycle, after the frames: passes on the frames to send.
     fn cycle(&mut self, now: u64, send: &mut dyn FnMut(usize, &Frame));
 }
 
 /// Serves the board for ever: waits for a cycle's begin, hands over the frames that came, then sends.
 ///
-/// A frame that finds no room to be sent is lost, as on a bus that is off; the application notices by
-/// the answers that stay away.
+/// A frame that finds no room to be sent is lost, which is a fault like a controller's trouble.
 pub fn run<B: Board, A: Application>(board: &mut B, application: &mut A) -> ! {
+    let mut lost = false;
     loop {
         board.wait();
         while let Some((bus, frame)) = board.receive() {
             application.receive(bus, &frame, board.now());
         }
         let now = board.now();
-        application.cycle(now, &mut |bus, frame| {
-            board.send(bus, frame);
-        });
+        let fault = if lost { Some(Fault::Bus) } else { board.fault() };
+        if let Some(fault) = fault {
+            application.fault(fault, now);
+        }
+        lost = false;
+        application.cycle(now, &mut |bus, frame| lost |= !board.send(bus, frame));
         board.alive();
     }
 }

@@ -37,6 +37,6 @@ pub use error::Error;
 pub use options::{HELP, Options};
 pub use plans::Plans;
 pub use ports::open;
-pub use program::{Robotics, main};
+pub use program::{Robotics, main, signals};
 pub use service::{Ending, Service};
 pub use socket::Socket;

@@ -66,8 +66,7 @@ where
     R: Robot<f64, N, NX, NS>,
 {
     let Robotics { robot, control, drive } = robotics;
-    let signalled = watch()?;
-    let mut signals = 0;
+    let mut signals = signals()?;
     let mut gains = Gains::from_design(robot, control)?;
     gains.period = f64::from(drive.timing.period_us) * 1e-6;
     let mut runtime = Runtime::new(robot, drive, &gains, &Settings::default())?;
@@ -81,22 +80,27 @@ where
     if let Some(priority) = options.priority {
         rights::ask(priority).iter().for_each(|missing| say(&missing.to_string()));
     }
-    let ending = service.run(&mut |_| {
-        signals += usize::from(signalled.swap(false, Ordering::Relaxed));
-        signals
-    });
+    let ending = service.run(&mut |_| signals());
     report(&service, ending.as_ref().ok());
     ending
 }
 
-/// SIGTERM and SIGINT set this from now on.
-fn watch() -> Result<Arc<AtomicBool>, Error> {
+/// Watches for SIGTERM and SIGINT from now on; gives what counts them.
+///
+/// # Errors
+///
+/// [`Error::Io`].
+pub fn signals() -> Result<impl FnMut() -> usize, Error> {
     let flag = Arc::new(AtomicBool::new(false));
     for signal in [SIGTERM, SIGINT] {
         let watched = signal_hook::flag::register(signal, Arc::clone(&flag));
         watched.map_err(|source| Error::Io { place: "signals".to_owned(), source })?;
     }
-    Ok(flag)
+    let mut count = 0;
+    Ok(move || {
+        count += usize::from(flag.swap(false, Ordering::Relaxed));
+        count
+    })
 }
 
 fn report<R, const N: usize, const NX: usize, const NS: usize>(

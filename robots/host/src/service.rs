@@ -3,8 +3,7 @@
 use crate::plans::Plans;
 use crate::{Deadlines, Error, Socket};
 use shapebot_bus::{BusError, Buses, Frame};
-use shapebot_drive::operator::command::decode;
-use shapebot_drive::operator::{Operator, Order};
+use shapebot_drive::operator::Operator;
 use shapebot_drive::safety::{Request, State};
 use shapebot_drive::{Command, Fault, Master, Role};
 use shapebot_dynamics::Robot;
@@ -53,7 +52,7 @@ where
         plans: Plans<'a>,
         socket: Option<Socket>,
     ) -> Self {
-        let operator = Operator::new(runtime.master().table().fingerprint, &[], Plans::store());
+        let operator = Operator::new(runtime.master().table().fingerprint, Plans::store());
         let frames = Vec::with_capacity(64);
         let deadlines = Deadlines::default();
         Self { runtime, buses, operator, plans, socket, deadlines, frames, stop_by: None }
@@ -183,15 +182,10 @@ where
         self.send(now)
     }
 
-    /// An operator's command. Stop goes through the runtime, which brings the robot to rest first.
+    /// An operator's command.
     fn order(&mut self, bytes: &[u8], now: u64) {
-        let fingerprint = self.runtime.master().table().fingerprint;
-        if let Ok((Order::Ask(Request::Stop), _)) = decode(bytes, fingerprint) {
-            self.runtime.request(Request::Stop, now);
-        } else {
-            // There are no gains to set, and plans are looked for in each cycle.
-            let _ = self.operator.receive(bytes, self.runtime.master_mut(), now);
-        }
+        // Telemetry tells why one is refused; plans are looked for in each cycle.
+        let _ = self.operator.receive(bytes, &mut self.runtime, now);
     }
 
     /// Torque off and legs down, by the master alone: the controller may be what failed. Until the legs

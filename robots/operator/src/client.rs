@@ -10,6 +10,9 @@ use std::time::{Duration, Instant};
 /// How long a command may take to be confirmed.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
+/// How often a command is tried that another operator's command comes before.
+const RETRIES: u32 = 5;
+
 /// From part to part of a plan: a bus with motors on it must not be flooded.
 const CHUNK_PERIOD: Duration = Duration::from_micros(800);
 
@@ -64,10 +67,30 @@ impl<L: Link> Client<L> {
             }
             return Ok(());
         }
-        if self.sequence.is_none() {
-            self.begin()?;
+        for _ in 0..RETRIES {
+            if self.sequence.is_none() {
+                self.begin()?;
+            }
+            match self.sequenced(order) {
+                // Another operator was faster: ahead of that one's command.
+                Err(Error::Refused(Refusal::Sequence)) => self.sequence = None,
+                done => return done,
+            }
         }
-        self.sequenced(order)
+        Err(Error::Refused(Refusal::Sequence))
+    }
+
+    /// Repeats [`Order::Watch`] without waiting, ahead of the last command that the robot tells of: other
+    /// operators may have given it.
+    ///
+    /// # Errors
+    ///
+    /// Those of the link.
+    pub fn keep_watch(&mut self) -> Result<(), Error> {
+        let Some(status) = self.telemetry.status else { return Ok(()) };
+        let sequence = status.sequence.wrapping_add(1);
+        self.sequence = Some(sequence);
+        self.link.send(&encode(Order::Watch(true), sequence, self.fingerprint))
     }
 
     /// Sends a plan file, to be followed at the next `track`.

@@ -10,8 +10,6 @@ pub enum Error {
     Io(std::io::Error),
     /// The bus fails.
     Bus(shapebot_bus::BusError),
-    /// There are no such ports here: its name, and why.
-    Port(String, &'static str),
     /// The robot refused.
     Refused(Refusal),
     /// No telemetry came for this many milliseconds.
@@ -25,7 +23,6 @@ impl fmt::Display for Error {
         match self {
             Self::Io(error) => write!(f, "{error}"),
             Self::Bus(error) => write!(f, "{error}"),
-            Self::Port(name, why) => write!(f, "`{name}`: {why}"),
             Self::Refused(refusal) => write!(f, "refused: {}", crate::refusal(*refusal)),
             Self::Silent(ms) => write!(f, "no telemetry within {ms} ms: is the robot running?"),
             Self::NotTaken(ms) => write!(f, "the command was not taken within {ms} ms"),

@@ -1,7 +1,7 @@
 //! What carries commands and telemetry.
 
 use crate::Error;
-use shapebot_bus::Bus;
+use shapebot_bus::{Bus, PortName};
 use shapebot_drive::operator::stream::{self, LONGEST, Reader};
 use shapebot_drive::{Frame, OperatorTable};
 use std::collections::VecDeque;
@@ -78,34 +78,8 @@ impl BusLink<Box<dyn Bus>> {
     ///
     /// A port that cannot be opened.
     pub fn open(port: &str, bit_rate: u32, table: OperatorTable) -> Result<Self, Error> {
-        let serial = port.starts_with('/') || port.starts_with('.');
-        Ok(Self::new(if serial { adapter(port, bit_rate)? } else { interface(port)? }, table))
+        Ok(Self::new(PortName::from(port).open(bit_rate)?, table))
     }
-}
-
-/// Baud rate of serial adapters; those on USB do not care.
-#[cfg(unix)]
-const BAUD: u32 = 115_200;
-
-#[cfg(unix)]
-fn adapter(path: &str, bit_rate: u32) -> Result<Box<dyn Bus>, Error> {
-    let port = shapebot_bus::serial::Serial::open(std::path::Path::new(path), BAUD)?;
-    Ok(Box::new(shapebot_bus::Slcan::open(port, path, bit_rate)?))
-}
-
-#[cfg(not(unix))]
-fn adapter(path: &str, _: u32) -> Result<Box<dyn Bus>, Error> {
-    Err(Error::Port(path.to_owned(), "serial ports are for Unix"))
-}
-
-#[cfg(all(feature = "socketcan", target_os = "linux"))]
-fn interface(name: &str) -> Result<Box<dyn Bus>, Error> {
-    Ok(Box::new(shapebot_bus::SocketBus::open(name)?))
-}
-
-#[cfg(not(all(feature = "socketcan", target_os = "linux")))]
-fn interface(name: &str) -> Result<Box<dyn Bus>, Error> {
-    Err(Error::Port(name.to_owned(), "built without SocketCAN, which Linux has"))
 }
 
 /// Records of a local socket.

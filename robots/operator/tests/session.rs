@@ -4,7 +4,7 @@
 use shapebot_drive::Master;
 use shapebot_drive::crc::crc32;
 use shapebot_drive::operator::stream::{self, LONGEST, Reader};
-use shapebot_drive::operator::{GainBounds, Operator, Order, PlanStore, Refusal};
+use shapebot_drive::operator::{Commanded, Operator, Order, PlanStore, Refusal};
 use shapebot_drive::safety::Request;
 use shapebot_drive_build::{DriveDescription, read};
 use shapebot_dynamics::{Actuator, Coordinate, Description, Role};
@@ -53,6 +53,27 @@ fn description() -> DriveDescription {
     read("ballbot_planar", text, &model).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
+/// A master with one gain of 0 to 2.
+struct Robot<'m, 't>(&'m mut Master<'t>);
+
+impl Commanded for Robot<'_, '_> {
+    fn request(&mut self, request: Request, now: u64) -> bool {
+        self.0.request(request, now)
+    }
+
+    fn aim(&mut self, heading: f32) {
+        self.0.aim(heading);
+    }
+
+    fn set_gain(&mut self, index: u8, value: f32) -> bool {
+        index == 0 && (0.0..=2.0).contains(&value)
+    }
+
+    fn watch(&mut self, _on: bool, _now: u64) {}
+
+    fn heard(&mut self, _now: u64) {}
+}
+
 /// A robot none of whose nodes answer, with its operator's end, until it is told to end.
 fn robot(drive: &DriveDescription, mut stream: UnixStream, end: &AtomicBool) -> Vec<u8> {
     let tables = drive.tables();
@@ -60,8 +81,7 @@ fn robot(drive: &DriveDescription, mut stream: UnixStream, end: &AtomicBool) -> 
     let mut master = Master::new(&table);
     let (mut active, mut pending) = (vec![0; 4096], vec![0; 4096]);
     let store = PlanStore::new(&mut active, &mut pending);
-    let gains = [GainBounds { low: 0.0, high: 2.0 }];
-    let mut operator = Operator::new(table.fingerprint, &gains, store);
+    let mut operator = Operator::new(table.fingerprint, store);
     let mut reader = Reader::default();
     stream.set_nonblocking(true).unwrap();
     let mut now = 0;
@@ -73,7 +93,7 @@ fn robot(drive: &DriveDescription, mut stream: UnixStream, end: &AtomicBool) -> 
             Ok(count) => {
                 for byte in &bytes[..count] {
                     if let Some((frame, len)) = reader.push(*byte) {
-                        operator.receive(&frame[..len], &mut master, now);
+                        let _ = operator.receive(&frame[..len], &mut Robot(&mut master), now);
                     }
                 }
             }

@@ -34,8 +34,9 @@ pub enum Error {
     Runtime(shapebot_runtime::Error),
     /// The plan is not one of the robot.
     Plan(FileError),
-    /// A socket cannot be listened at.
-    Socket(std::io::Error),
+    /// The loop under an operator ended.
+    #[cfg(target_os = "linux")]
+    Loop(shapebot_host::Error),
     /// A state was not reached in time.
     Late {
         /// The state that was waited for.
@@ -66,7 +67,8 @@ impl fmt::Display for Error {
             Self::Bus(error) => write!(f, "{error}"),
             Self::Runtime(error) => write!(f, "{error}"),
             Self::Plan(error) => write!(f, "{error}"),
-            Self::Socket(error) => write!(f, "{error}"),
+            #[cfg(target_os = "linux")]
+            Self::Loop(error) => write!(f, "{error}"),
             Self::Late { wanted, state, faults, failed_step } => {
                 write!(f, "the robot is in {state:?}, not in {wanted:?}")?;
                 if let Some(FaultRecord { fault, node, detail, .. }) = faults.first() {
@@ -92,7 +94,8 @@ impl std::error::Error for Error {
             Self::Bus(error) => Some(error),
             Self::Runtime(error) => Some(error),
             Self::Plan(error) => Some(error),
-            Self::Socket(error) => Some(error),
+            #[cfg(target_os = "linux")]
+            Self::Loop(error) => Some(error),
             _ => None,
         }
     }
@@ -128,8 +131,9 @@ impl From<FileError> for Error {
     }
 }
 
-impl From<std::io::Error> for Error {
-    fn from(error: std::io::Error) -> Self {
-        Self::Socket(error)
+#[cfg(target_os = "linux")]
+impl From<shapebot_host::Error> for Error {
+    fn from(error: shapebot_host::Error) -> Self {
+        Self::Loop(error)
     }
 }

@@ -1,10 +1,15 @@
 //! Robots of any size on their drives.
 
-use crate::operator::{Link, Socket};
 use crate::{DriveSim, Error, Job, Outcome, Script};
+#[cfg(target_os = "linux")]
+use crate::{Paced, hold_unless_driven, log_to, network};
 use shapebot_bus::Wired;
+#[cfg(target_os = "linux")]
+use shapebot_drive::Role;
 use shapebot_drive_build::DriveDescription;
 use shapebot_experiments::{AnyRobot, Driven, Planned, SizedRobot, Subject, circumstances};
+#[cfg(target_os = "linux")]
+use shapebot_host::{Ending, Socket};
 use shapebot_sim::Plant;
 use std::io::Write;
 use std::sync::{Arc, Mutex};
@@ -85,18 +90,21 @@ impl OnDrive<'_> {
         sized!(self.run_sized(buses))
     }
 
-    /// As an operator says, over the bus or a socket, until `go_on` says no.
+    /// As an operator says, over the bus and a socket, until `signals` counts a signal: see
+    /// [`Job::attend`]. On these buses, or with simulated nodes in this process.
     ///
     /// # Errors
     ///
     /// Those of [`Self::run`].
+    #[cfg(target_os = "linux")]
     pub fn attend(
         &self,
-        buses: &mut Wired,
+        buses: Option<Wired>,
+        log: Option<Log>,
         socket: Socket,
-        go_on: &mut dyn FnMut(u64) -> bool,
-    ) -> Result<(), Error> {
-        sized!(self.attend_sized(buses, socket, go_on))
+        signals: &mut dyn FnMut(u64) -> usize,
+    ) -> Result<Ending, Error> {
+        sized!(self.attend_sized(buses, log, socket, signals))
     }
 
     /// The other side: simulated nodes over a plant on real buses, until `go_on` says no.
@@ -145,22 +153,31 @@ impl OnDrive<'_> {
         self.job(&robot).run(buses, &mut |_| ())
     }
 
+    #[cfg(target_os = "linux")]
     fn attend_sized<const N: usize, const NX: usize, const NS: usize>(
         &self,
         robot: &SizedRobot<N, NX, NS>,
-        buses: &mut Wired,
+        buses: Option<Wired>,
+        log: Option<Log>,
         socket: Socket,
-        go_on: &mut dyn FnMut(u64) -> bool,
-    ) -> Result<(), Error> {
-        let mut socket = Some(socket);
-        let mut link = |table: &shapebot_drive::DriveTable<'_>| {
-            let link = Link::new(table);
-            Ok(match socket.take() {
-                Some(socket) => link.with_socket(socket),
-                None => link,
-            })
-        };
-        self.job(&robot).attend(buses, &mut link, go_on)
+        signals: &mut dyn FnMut(u64) -> usize,
+    ) -> Result<Ending, Error> {
+        if let Some(buses) = buses {
+            return self.job(&robot).attend(buses, Some(socket), signals);
+        }
+        let (system, scenario) = circumstances(self.subject(robot), self.planned.task)?;
+        let plant = Plant::new(&*system, &robot, &scenario, PLANT_STEP)?;
+        let mut world = network(self.drive, &robot, &plant, 1)?;
+        if let Some(log) = log {
+            log_to(&mut world, self.drive, log);
+        }
+        let legs = self.drive.nodes.iter().any(|node| node.role == Role::Legs);
+        let world = Paced::new(world, |world| {
+            if !legs {
+                hold_unless_driven(world);
+            }
+        });
+        self.job(&robot).attend(world, Some(socket), signals)
     }
 
     fn serve_nodes_sized<const N: usize, const NX: usize, const NS: usize>(

@@ -1,6 +1,5 @@
 //! A runtime at work on buses.
 
-use crate::operator::Link;
 use shapebot_bus::{BusError, Buses};
 use shapebot_drive::{Fault, Frame};
 use shapebot_dynamics::Robot;
@@ -22,27 +21,6 @@ where
     R: Robot<T, N, NX, NS>,
     T: Stored,
 {
-    serve_with(runtime, buses, None, until)
-}
-
-/// The same with an operator, who is heard once a call at least.
-///
-/// # Errors
-///
-/// Those of [`serve`].
-pub fn serve_with<R, T, const N: usize, const NX: usize, const NS: usize>(
-    runtime: &mut Runtime<'_, R, T, N, NX, NS>,
-    buses: &mut impl Buses,
-    mut link: Option<&mut Link>,
-    until: u64,
-) -> Result<(), BusError>
-where
-    R: Robot<T, N, NX, NS>,
-    T: Stored,
-{
-    if let Some(link) = link.as_deref_mut() {
-        link.poll(runtime, buses)?;
-    }
     let now = buses.now();
     let mut frames: Vec<(usize, Frame)> = Vec::new();
     runtime.poll(now, &mut |bus, frame| frames.push((bus, frame)));
@@ -60,9 +38,6 @@ where
     let wake = runtime.next_wake().clamp(now + 1, until);
     if let Some((bus, received)) = buses.receive(wake)? {
         runtime.receive(bus, &received.frame, received.time);
-        if let Some(link) = link {
-            link.take(runtime, (bus, &received.frame), received.time);
-        }
     }
     Ok(())
 }

@@ -1,9 +1,8 @@
-//! Whole tasks: a plan over simulated buses, over real ones, or under an operator.
+//! Whole tasks: a plan over simulated buses or over real ones.
 
-use crate::operator::Link;
 use crate::session::Stage;
-use crate::{Cycle, Error, Outcome, Script, log_to, network, run, serve_with};
-use shapebot_bus::{Buses, Wired};
+use crate::{Cycle, Error, Outcome, Script, log_to, network, run};
+use shapebot_bus::Wired;
 use shapebot_control::Gains;
 use shapebot_drive::DriveTable;
 use shapebot_drive_build::DriveDescription;
@@ -70,42 +69,13 @@ impl<R> Job<'_, R> {
         self.on(buses, each)
     }
 
-    /// As an operator says, until `go_on` says no; torque ends with the session.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`Self::simulate`]; errors of the buses.
-    pub fn attend<B, const N: usize, const NX: usize, const NS: usize>(
-        &self,
-        buses: &mut B,
-        link: &mut dyn FnMut(&DriveTable<'_>) -> Result<Link, Error>,
-        go_on: &mut dyn FnMut(u64) -> bool,
-    ) -> Result<(), Error>
-    where
-        R: Robot<f64, N, NX, NS>,
-        B: Buses,
-    {
-        /// Longest time between two looks at the operator, µs.
-        const TURN: u64 = 2_000;
-        let tables = self.description.tables();
-        let table = self.script.forgiving(tables.table());
-        let mut link = link(&table)?;
-        let plan = self.view::<N, NX, NS>()?;
-        let mut runtime = self.runtime(&table, plan)?;
-        while go_on(buses.now()) {
-            let until = buses.now() + TURN;
-            serve_with(&mut runtime, buses, Some(&mut link), until)?;
-        }
-        Ok(())
-    }
-
-    fn view<const N: usize, const NX: usize, const NS: usize>(
+    pub(crate) fn view<const N: usize, const NX: usize, const NS: usize>(
         &self,
     ) -> Result<PlanView<'_, f64, NX, NS, N>, Error> {
         Ok(PlanView::open(self.plan, self.id)?)
     }
 
-    fn runtime<'r, const N: usize, const NX: usize, const NS: usize>(
+    pub(crate) fn runtime<'r, const N: usize, const NX: usize, const NS: usize>(
         &'r self,
         table: &'r DriveTable<'r>,
         plan: PlanView<'r, f64, NX, NS, N>,

@@ -4,7 +4,7 @@ use crate::{Body, Error, Stance};
 use shapebot_bus::{VirtualBus, candump};
 use shapebot_drive_build::DriveDescription;
 use shapebot_dynamics::Robot;
-use shapebot_nodes::{DriveUnit, Network, Node, YawAxis, described};
+use shapebot_nodes::{DriveUnit, Mechanism as _, Network, Node, PowerState, YawAxis, described};
 use shapebot_sim::Plant;
 use std::io::Write;
 
@@ -63,4 +63,15 @@ pub fn log_to<R, const N: usize, const NX: usize, const NS: usize>(
             wire.observe(candump::observer(log.clone(), &bus.name));
         }
     }
+}
+
+/// Holds a robot without legs by hand as long as none of its drives may give torque.
+pub fn hold_unless_driven<R, const N: usize, const NX: usize, const NS: usize>(
+    world: &mut World<'_, R, N, NX, NS>,
+) where
+    R: Robot<f64, N, NX, NS>,
+{
+    let is_driven = |node: &Node| node.power_state() == Some(PowerState::OperationEnabled);
+    let driven = (0..world.len()).any(|index| world.node(index).is_some_and(is_driven));
+    world.plant_now().mechanism_mut().set_legs(f64::from(u8::from(!driven)));
 }

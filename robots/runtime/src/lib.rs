@@ -28,7 +28,9 @@ mod runtime;
 mod sensing;
 mod settings;
 mod stand;
+mod tuning;
 
 pub use error::Error;
 pub use runtime::{Runtime, Snapshot};
 pub use settings::Settings;
+pub use tuning::{TUNABLE, Tunable};

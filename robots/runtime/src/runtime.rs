@@ -2,6 +2,7 @@
 
 use crate::sensing::Sensing;
 use crate::stand::{Balance, Stand, seconds};
+use crate::tuning::Tuning;
 use crate::{Error, Settings};
 use nalgebra::SVector;
 use shapebot_control::{Command, Controller, Gains, State, Target};
@@ -21,6 +22,7 @@ pub struct Runtime<'a, R, T: Stored, const N: usize, const NX: usize, const NS: 
     robot: &'a R,
     master: Master<'a>,
     controller: Controller<'a, R, T, N, NX, NS>,
+    tuning: Tuning<T, NX, NS>,
     settings: Settings<T>,
     balance: Balance<T, NX, NS>,
     sensing: Sensing<T, N, NX, NS>,
@@ -32,7 +34,7 @@ pub struct Runtime<'a, R, T: Stored, const N: usize, const NX: usize, const NS: 
     tracking_since: u64,
     /// A stop was asked for while the robot moved.
     stopping: bool,
-    /// When the operator was last heard, µs; `None` if nobody operates.
+    /// When the operator was last heard, µs; `None` unless the watch is armed.
     operator_heard: Option<u64>,
     snapshot: Snapshot<T, N, NX, NS>,
 }
@@ -114,6 +116,7 @@ where
             robot,
             master: Master::new(table),
             controller,
+            tuning: Tuning::new(gains),
             settings: *settings,
             balance,
             sensing: Sensing::new(robot, gains.period, settings.rate_bandwidth),
@@ -198,17 +201,6 @@ where
     /// Reports a fault that the master cannot see: see [`Master::report`].
     pub fn report(&mut self, fault: Fault, now: u64) {
         self.master.report(fault, now);
-    }
-
-    /// An operator was heard. From now on silence while the robot balances is a fault, until
-    /// [`Self::dismiss_operator`].
-    pub const fn hear_operator(&mut self, now: u64) {
-        self.operator_heard = Some(now);
-    }
-
-    /// The operator took leave: nobody is to be heard.
-    pub const fn dismiss_operator(&mut self) {
-        self.operator_heard = None;
     }
 
     /// Once a cycle: whether the operator is still there.
@@ -391,6 +383,28 @@ where
 
     fn aim(&mut self, heading: f32) {
         self.master.aim(heading);
+    }
+
+    /// From the next cycle on: see [`TUNABLE`](crate::TUNABLE).
+    fn set_gain(&mut self, index: u8, value: f32) -> bool {
+        let tuned = self.tuning.with(index, value);
+        tuned.is_some_and(|tuned| {
+            let taken = self.controller.set_gains(tuned.gains()).is_ok();
+            if taken {
+                self.tuning = tuned;
+            }
+            taken
+        })
+    }
+
+    fn watch(&mut self, on: bool, now: u64) {
+        self.operator_heard = on.then_some(now);
+    }
+
+    fn heard(&mut self, now: u64) {
+        if let Some(heard) = &mut self.operator_heard {
+            *heard = now;
+        }
     }
 }
 

@@ -16,8 +16,8 @@ pub struct Settings<T> {
     pub start_position: T,
     /// The same for its actuated shape coordinates.
     pub start_shape: T,
-    /// Longest silence of an operator while the robot balances, µs, once there was one: see
-    /// [`Runtime::hear_operator`](crate::Runtime::hear_operator).
+    /// Longest silence of an operator while the robot balances, µs, where the watch is armed: see
+    /// [`Commanded::watch`](shapebot_drive::operator::Commanded::watch).
     pub operator_timeout_us: u64,
 }
 

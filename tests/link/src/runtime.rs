@@ -4,7 +4,7 @@ use crate::drive::tables;
 use crate::{unknown, with_bytes};
 use core::hint::black_box;
 use shapebot_control::{Controller, Gains, State, Target};
-use shapebot_drive::operator::{GainBounds, Operator, PlanStore, command, stream};
+use shapebot_drive::operator::{Operator, PlanStore, command, stream};
 use shapebot_drive::safety::{Request, State as Safety};
 use shapebot_drive::{Fault, Frame};
 use shapebot_dynamics::nalgebra::SVector;
@@ -43,8 +43,7 @@ pub(crate) fn runtime_of_any_tables() {
     let (mut active, mut pending) = ([0; 512], [0; 512]);
     let store =
         PlanStore::new(with_length(&mut active, unknown(9)), with_length(&mut pending, unknown(9)));
-    let bounds = [GainBounds { low: 0.0, high: 1.0 }; 8];
-    let mut operator = Operator::new(unknown(0), unknown(&bounds[..]), store);
+    let mut operator = Operator::new(unknown(0), store);
     let mut out = |bus: usize, frame: Frame| {
         black_box((bus, frame));
     };
@@ -65,7 +64,7 @@ pub(crate) fn runtime_of_any_tables() {
                 }
             }
             5 => with_bytes(|bytes| {
-                black_box(operator.receive(bytes, runtime.master_mut(), now));
+                black_box(operator.receive(bytes, &mut runtime, now).is_ok());
             }),
             6 => {
                 black_box(operator.telemetry(runtime.master()));

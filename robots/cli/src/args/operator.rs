@@ -1,6 +1,7 @@
 //! What the user may type as a robot's operator.
 
 use clap::{Args, Subcommand};
+use shapebot_runtime::TUNABLE;
 use std::path::PathBuf;
 
 /// Where the robot is listened to and spoken to.
@@ -32,6 +33,10 @@ pub(crate) struct MonitorArgs {
     #[command(flatten)]
     pub(crate) link: LinkArgs,
 
+    /// Has the robot lower its legs when it does not hear this monitor for half a second
+    #[arg(long)]
+    pub(crate) watch: bool,
+
     /// Ends after so many seconds
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub(crate) time: Option<f64>,
@@ -43,12 +48,31 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     if (0.0..=1e9).contains(&time) { Ok(time) } else { Err("expected 0 or more".to_owned()) }
 }
 
+/// A gain's number by its name.
+fn gain(name: &str) -> Result<u8, String> {
+    let found = (0..).zip(&TUNABLE).find(|(_, tunable)| tunable.name == name);
+    found.map(|(index, _)| index).ok_or_else(|| {
+        let all = TUNABLE
+            .map(|tunable| format!("`{}` ({} to {})", tunable.name, tunable.low, tunable.high));
+        format!("expected {}", all.join(", "))
+    })
+}
+
+fn on_or_off(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err("expected `on` or `off`".to_owned()),
+    }
+}
+
 const COMMAND_EXAMPLES: &str = "\
 Waits until the robot has taken the command; exit code 1 if it refused.
 
 Examples:
   shapebot command ballbot3d --socket robot.sock start
   shapebot command ballbot3d --socket robot.sock upload plans/walk.plan
+  shapebot command ballbot3d --socket robot.sock gain position 0.8
   shapebot command my_drive.toml --bus can0 e-stop";
 
 #[derive(Args, Debug)]
@@ -86,13 +110,20 @@ pub(crate) enum OrderArgs {
         #[arg(allow_hyphen_values = true)]
         degrees: f32,
     },
-    /// Sets a gain within its bounds
+    /// Sets a gain to a factor of the designed one, within its bounds
     Gain {
-        /// Its number
-        index: u8,
-        /// Its value
+        /// Its name
+        #[arg(value_parser = gain)]
+        name: u8,
+        /// The factor
         #[arg(allow_hyphen_values = true)]
-        value: f32,
+        factor: f32,
+    },
+    /// Makes the operator's silence a fault from now on, or no more: see `monitor --watch`
+    Watch {
+        /// Whether it is
+        #[arg(value_parser = on_or_off, value_name = "on|off")]
+        on: bool,
     },
     /// Sends a plan file, to be followed at the next `track`
     Upload {

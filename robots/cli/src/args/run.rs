@@ -46,14 +46,16 @@ pub(crate) struct OnDriveArgs {
 
 const RUN_EXAMPLES: &str = "\
 Takes the robot through the task: set-up of the drives, rising, standing, the plan, standing, legs down.
-Without --bus the drives are simulated in this process, and time is that of the simulated buses.
+Without --bus the drives are simulated in this process, and time is that of the simulated buses; for an
+operator it passes like real time.
 
 Examples:
   shapebot run straight_line
   shapebot run table2_ballbot3d --drive ballbot3d_1khz --log frames.log
   shapebot run straight_line --bus drive=can0,body=can1
   shapebot run straight_line --bus /dev/pts/3,/dev/pts/4 --slow 5
-  shapebot run table2_ballbot3d --bus can0,can1 --operator robot.sock     an operator says when";
+  shapebot run straight_line --operator robot.sock                        an operator says when
+  shapebot run straight_line --bus can0,can1 --operator robot.sock";
 
 #[derive(Args, Debug)]
 #[command(after_help = RUN_EXAMPLES)]
@@ -66,7 +68,7 @@ pub(crate) struct RunArgs {
     pub(crate) bus: String,
 
     /// Waits for an operator's commands, on the bus and on this socket, instead of beginning at once
-    #[arg(long, value_name = "PATH", requires = "bus")]
+    #[arg(long, value_name = "PATH")]
     pub(crate) operator: Option<PathBuf>,
 
     /// Ends after so many seconds of waiting for an operator

@@ -16,6 +16,9 @@ use std::time::{Duration, Instant};
 /// From page to page of the monitor.
 const REDRAW: Duration = Duration::from_millis(100);
 
+/// From sign of life to sign of life on watch: a fifth of what the robot waits.
+const ALIVE: Duration = Duration::from_millis(100);
+
 /// From line to line where there is no terminal.
 const LINE: Duration = Duration::from_secs(1);
 
@@ -28,9 +31,12 @@ pub(crate) fn monitor(args: &MonitorArgs) -> Outcome {
     let (terminal, start) = (Term::stdout(), Instant::now());
     let end = args.time.map(|seconds| start + Duration::from_secs_f64(seconds));
     let mut shown = 0;
+    if args.watch {
+        client.order(Order::Watch(true)).map_err(failure)?;
+    }
     while end.is_none_or(|end| Instant::now() < end) {
         let time = if terminal.is_term() { REDRAW } else { LINE };
-        let heard = client.listen(time).map_err(failure)?;
+        let heard = listen(&mut client, time, args.watch)?;
         if terminal.is_term() {
             let page = view(client.telemetry(), &drive);
             terminal.clear_last_lines(shown)?;
@@ -42,7 +48,25 @@ pub(crate) fn monitor(args: &MonitorArgs) -> Outcome {
             writeln!(anstream::stdout().lock(), "{seconds:8.1} s  {text}")?;
         }
     }
+    if args.watch {
+        client.order(Order::Watch(false)).map_err(failure)?;
+    }
     Ok(())
+}
+
+/// Takes telemetry for a while; whether any came. On watch, the robot hears of it.
+fn listen(client: &mut Client<Box<dyn Link>>, time: Duration, watch: bool) -> Outcome<bool> {
+    let (end, mut heard) = (Instant::now() + time, false);
+    loop {
+        let rest = end.saturating_duration_since(Instant::now());
+        if rest.is_zero() {
+            return Ok(heard);
+        }
+        if watch {
+            client.keep_watch().map_err(failure)?;
+        }
+        heard |= client.listen(rest.min(ALIVE)).map_err(failure)?;
+    }
 }
 
 /// Gives an order.
@@ -76,7 +100,8 @@ const fn order(order: &OrderArgs) -> Option<Order> {
         OrderArgs::Track => Order::Ask(Request::Track),
         OrderArgs::Yaw => Order::Ask(Request::Yaw),
         OrderArgs::Heading { degrees } => Order::Heading(degrees.to_radians()),
-        OrderArgs::Gain { index, value } => Order::Gain(index, value),
+        OrderArgs::Gain { name, factor } => Order::Gain(name, factor),
+        OrderArgs::Watch { on } => Order::Watch(on),
     })
 }
 
@@ -130,6 +155,6 @@ fn open_socket(_: &Path) -> Outcome<Box<dyn Link>> {
 fn failure(error: Error) -> Failure {
     match error {
         Error::Refused(_) | Error::Silent(_) | Error::NotTaken(_) => Failure::refused(error),
-        Error::Io(_) | Error::Bus(_) | Error::Port(..) => Failure::usage(error),
+        Error::Io(_) | Error::Bus(_) => Failure::usage(error),
     }
 }

@@ -10,9 +10,11 @@ use crate::robot::{Dynamics, identity};
 use shapebot_drive::Jitter;
 use shapebot_drive_build::DriveDescription;
 use shapebot_experiments::Planned;
-use shapebot_rig::operator::Socket;
+#[cfg(target_os = "linux")]
+use shapebot_host::{Ending, Socket, signals};
 use shapebot_rig::{BusList, Error, Log, OnDrive, Outcome as Followed};
 use std::io::{BufWriter, Write};
+use std::path::Path;
 
 /// What a task on a drive is made of.
 struct Opened {
@@ -46,7 +48,7 @@ fn robot_name(place: &str, task: &shapebot_tasks::Task) -> String {
     if !named.ends_with(".robot") {
         return named.clone();
     }
-    let folder = std::path::Path::new(place).parent().unwrap_or(std::path::Path::new(""));
+    let folder = Path::new(place).parent().unwrap_or(Path::new(""));
     folder.join(named).display().to_string()
 }
 
@@ -95,10 +97,7 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
             ask_for_rights(&args.on);
         }
         if let Some(path) = &args.operator {
-            let mut wired = buses.open(description, log.as_ref()).map_err(failure)?;
-            let socket = Socket::listen(path).map_err(|e| Failure::file("listen at", path, &e))?;
-            writeln!(anstream::stdout().lock(), "listening at {}", path.display())?;
-            return on.attend(&mut wired, socket, &mut until(args.time)).map_err(failure);
+            return attend(on, &buses, log, path, args.time);
         }
         let followed = if buses.is_virtual() {
             on.simulate(log)
@@ -108,6 +107,36 @@ pub(crate) fn run(args: &RunArgs) -> Outcome {
         };
         report(&followed.map_err(failure)?, description.title.as_str(), on)
     })
+}
+
+/// Serves an operator until a signal or for so many seconds.
+#[cfg(target_os = "linux")]
+fn attend(
+    on: &OnDrive<'_>,
+    buses: &BusList,
+    log: Option<Log>,
+    path: &Path,
+    time: Option<f64>,
+) -> Outcome {
+    let wired = match buses.is_virtual() {
+        true => None,
+        false => Some(buses.open(on.drive, log.as_ref()).map_err(failure)?),
+    };
+    let socket = Socket::bind(path).map_err(Failure::usage)?;
+    let mut signals = signals().map_err(Failure::usage)?;
+    writeln!(anstream::stdout().lock(), "listening at {}", path.display())?;
+    let mut goes_on = until(time);
+    let ending = on.attend(wired, log, socket, &mut |now| signals() + usize::from(!goes_on(now)));
+    match ending.map_err(failure)? {
+        Ending::Stopped => Ok(writeln!(anstream::stdout().lock(), "stopped on the legs")?),
+        Ending::AtOnce => Err(Failure::refused("torque was switched off at once")),
+        Ending::Panicked => Err(Failure::refused("torque was switched off after a panic")),
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn attend(_: &OnDrive<'_>, _: &BusList, _: Option<Log>, _: &Path, _: Option<f64>) -> Outcome {
+    Err(Failure::usage("operators are served on Linux"))
 }
 
 pub(crate) fn drive_sim(args: &DriveSimArgs) -> Outcome {

@@ -5,7 +5,8 @@
 //!
 //! 1. implement [`shapebot_firmware::Board`] for a type of yours and give it to `start`: `wait` sleeps
 //!    until SysTick's next turn ([`shapebot_firmware::Cycles`] counts them), `receive` and `send` are the
-//!    CAN controllers in the order of the drive's buses, `alive` restarts the watchdog;
+//!    CAN controllers in the order of the drive's buses, `fault` is what their error states mean, `alive`
+//!    restarts the watchdog;
 //! 2. in `Cargo.toml`, take `default-features = false` for `shapebot-firmware`, and write a
 //!    `#[panic_handler]` here that switches the drives off and lets the watchdog do the rest;
 //! 3. put your memories into `memory.x`.

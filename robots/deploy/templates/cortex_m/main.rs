@@ -10,10 +10,8 @@ mod board;
 use cortex_m_rt::entry;
 use robot::{CONTROL, DRIVE, N, NS, NX, ROBOT, Robot};
 use shapebot_control::Gains;
-use shapebot_drive::operator::command::decode;
-use shapebot_drive::operator::{Operator, Order, PlanStore};
-use shapebot_drive::safety::Request;
-use shapebot_drive::Frame;
+use shapebot_drive::operator::{Operator, PlanStore};
+use shapebot_drive::{Fault, Frame};
 use shapebot_firmware::{Application, run};
 use shapebot_runtime::{Runtime, Settings};
 
@@ -33,17 +31,7 @@ impl Control {
         let runtime = Runtime::new(&ROBOT, &DRIVE, &gains, &Settings::default()).ok()?;
         // No buffers: plans are not uploaded to this target.
         let plans = PlanStore::new(&mut [], &mut []);
-        Some(Self { runtime, operator: Operator::new(DRIVE.fingerprint, &[], plans) })
-    }
-
-    /// An operator's command. Stop goes through the runtime, which brings the robot to rest first.
-    fn order(&mut self, bytes: &[u8], now: u64) {
-        if let Ok((Order::Ask(Request::Stop), _)) = decode(bytes, DRIVE.fingerprint) {
-            self.runtime.request(Request::Stop, now);
-        } else {
-            // Neither gains nor plans can come.
-            let _ = self.operator.receive(bytes, self.runtime.master_mut(), now);
-        }
+        Some(Self { runtime, operator: Operator::new(DRIVE.fingerprint, plans) })
     }
 }
 
@@ -52,8 +40,13 @@ impl Application for Control {
         self.runtime.receive(bus, frame, now);
         let operator = &DRIVE.operator;
         if frame.standard_id() == Some(operator.command) && bus == usize::from(operator.bus) {
-            self.order(frame.bytes(), now);
+            // Telemetry tells why a command is refused.
+            let _ = self.operator.receive(frame.bytes(), &mut self.runtime, now);
         }
+    }
+
+    fn fault(&mut self, fault: Fault, now: u64) {
+        self.runtime.report(fault, now);
     }
 
     fn cycle(&mut self, now: u64, send: &mut dyn FnMut(usize, &Frame)) {

@@ -21,6 +21,8 @@ pub enum Order {
     PlanEnd(u32),
     /// Forgets an upload.
     PlanForget,
+    /// From now on silence of the operator is a fault while the robot balances, or no more.
+    Watch(bool),
 }
 
 /// Bytes of the plan in a frame.
@@ -50,6 +52,7 @@ pub fn encode(order: Order, sequence: u8, fingerprint: u32) -> [u8; 8] {
         Order::PlanBegin(length) => (0x10, length),
         Order::PlanEnd(checksum) => (0x11, checksum),
         Order::PlanForget => (0x12, 0),
+        Order::Watch(on) => (0x13, on as u32),
         Order::Gain(index, value) => (0x40 | (index & 0x3F), value.to_bits()),
     };
     let [a, b, c, d] = argument.to_le_bytes();
@@ -102,6 +105,7 @@ pub fn decode(bytes: &[u8], fingerprint: u32) -> Result<(Order, u8), Refusal> {
         0x10 => Order::PlanBegin(argument),
         0x11 => Order::PlanEnd(argument),
         0x12 => Order::PlanForget,
+        0x13 => Order::Watch(argument != 0),
         0x40..=0x7F => Order::Gain(opcode & 0x3F, f32::from_bits(argument)),
         _ => {
             let found = REQUESTS.iter().find(|(other, _)| *other == opcode);

@@ -16,11 +16,16 @@
 //! | 0x10 | plan: begins an upload | length, bytes |
 //! | 0x11 | plan: is complete | CRC-32 of the file |
 //! | 0x12 | plan: forget the upload | 0 |
-//! | 0x40 to 0x7F | gain 0 to 63 | f32, within the bounds of the caller |
+//! | 0x13 | watch: silence is a fault from now on, or no more | 1 or 0 |
+//! | 0x40 to 0x7F | gain 0 to 63 | f32, within the robot's bounds |
 //! | 0x80 to 0xFF | plan: seven bytes of the file; the low seven bits count them | (no CRC: the file has its own) |
 //!
 //! A command is taken if its checksum is right and its sequence is one to sixteen ahead of the last one
 //! taken. Stop and e-stop are taken with any sequence, and without a session.
+//!
+//! **Watch.** An operator who gives single commands may come and go. One who wants the robot to come down
+//! if the link breaks arms the watch: from then on the robot has to hear a command of the session every
+//! half second ([`Commanded::watch`]), and lowers its legs if it does not. Repeating the order is enough.
 //!
 //! **Telemetry** is one frame of eight bytes each [`TELEMETRY_CYCLES`](crate::TELEMETRY_CYCLES) cycles,
 //! page after page: see [`Page`].
@@ -38,20 +43,10 @@ pub mod stream;
 mod telemetry;
 
 use crate::id::NodeId;
-use crate::master::Master;
 use crate::safety::Request;
 pub use command::Order;
 pub use plan::{PlanError, PlanStore};
 pub use telemetry::Page;
-
-/// Bounds of a gain that an operator may set.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GainBounds {
-    /// Smallest value.
-    pub low: f32,
-    /// Largest value.
-    pub high: f32,
-}
 
 /// Why a command was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -78,20 +73,6 @@ pub enum Refusal {
     Plan = 8,
 }
 
-/// What a command changed that the caller has to act on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event {
-    /// A gain has a new value.
-    Gain {
-        /// Which.
-        index: u8,
-        /// Its value, within its bounds.
-        value: f32,
-    },
-    /// A plan was received whole: see [`PlanStore::swap`].
-    PlanReceived,
-}
-
 /// Who carries out what an operator orders.
 pub trait Commanded {
     /// Asks for something: false if the state does not allow it.
@@ -99,16 +80,15 @@ pub trait Commanded {
 
     /// The heading to turn to, rad.
     fn aim(&mut self, heading: f32);
-}
 
-impl Commanded for Master<'_> {
-    fn request(&mut self, request: Request, now: u64) -> bool {
-        Master::request(self, request, now)
-    }
+    /// Sets a gain: false if there is none of this number, or if the value is out of its bounds.
+    fn set_gain(&mut self, index: u8, value: f32) -> bool;
 
-    fn aim(&mut self, heading: f32) {
-        Master::aim(self, heading);
-    }
+    /// Whether silence of the operator is a fault while the robot balances: see [`Self::heard`].
+    fn watch(&mut self, on: bool, now: u64);
+
+    /// A command of the session was taken.
+    fn heard(&mut self, now: u64);
 }
 
 /// Sequences ahead of the last one that are taken.
@@ -121,7 +101,6 @@ pub struct Operator<'b> {
     /// Last sequence taken; `None` before hello.
     sequence: Option<u8>,
     refusal: Refusal,
-    gains: &'b [GainBounds],
     plans: PlanStore<'b>,
     page: u8,
     due: u32,
@@ -130,8 +109,8 @@ pub struct Operator<'b> {
 impl<'b> Operator<'b> {
     /// For a drive with this fingerprint.
     #[must_use]
-    pub const fn new(fingerprint: u32, gains: &'b [GainBounds], plans: PlanStore<'b>) -> Self {
-        Self { fingerprint, sequence: None, refusal: Refusal::None, gains, plans, page: 0, due: 0 }
+    pub const fn new(fingerprint: u32, plans: PlanStore<'b>) -> Self {
+        Self { fingerprint, sequence: None, refusal: Refusal::None, plans, page: 0, due: 0 }
     }
 
     /// The plans that were uploaded.
@@ -152,61 +131,63 @@ impl<'b> Operator<'b> {
         self.sequence
     }
 
-    /// Takes the bytes of a command frame.
-    pub fn receive(&mut self, bytes: &[u8], robot: &mut impl Commanded, now: u64) -> Option<Event> {
-        match self.take(bytes, robot, now) {
-            Ok(event) => {
-                self.refusal = Refusal::None;
-                event
-            }
-            Err(refusal) => {
-                self.refusal = refusal;
-                None
-            }
-        }
-    }
-
-    fn take(
+    /// Takes the bytes of a command frame, and carries the command out. A plan that was received whole
+    /// waits in [`Self::plans`].
+    ///
+    /// # Errors
+    ///
+    /// Why it is refused; telemetry tells it too.
+    pub fn receive(
         &mut self,
         bytes: &[u8],
         robot: &mut impl Commanded,
         now: u64,
-    ) -> Result<Option<Event>, Refusal> {
+    ) -> Result<(), Refusal> {
+        let taken = self.take(bytes, robot, now);
+        self.refusal = taken.err().unwrap_or_default();
+        taken
+    }
+
+    fn take(&mut self, bytes: &[u8], robot: &mut impl Commanded, now: u64) -> Result<(), Refusal> {
         if let Some((index, data)) = command::chunk(bytes) {
             self.sequence.ok_or(Refusal::NoSession)?;
-            return self.plans.chunk(index, data).map(|()| None).map_err(|_| Refusal::Plan);
+            self.plans.chunk(index, data).map_err(|_| Refusal::Plan)?;
+            robot.heard(now);
+            return Ok(());
         }
         let (order, sequence) = command::decode(bytes, self.fingerprint)?;
-        self.sequenced(order, sequence)?;
+        if self.sequenced(order, sequence)? {
+            robot.heard(now);
+        }
+        let taken = |taken: bool, refusal| if taken { Ok(()) } else { Err(refusal) };
         match order {
-            Order::Hello => Ok(None),
+            Order::Hello => Ok(()),
             Order::Ask(request) => {
                 let changed = robot.request(request, now);
                 let always = matches!(request, Request::EmergencyStop);
-                if changed || always { Ok(None) } else { Err(Refusal::State) }
+                taken(changed || always, Refusal::State)
             }
             Order::Heading(heading) if heading.is_finite() => {
                 robot.aim(heading);
-                Ok(None)
+                Ok(())
             }
             Order::Heading(_) => Err(Refusal::Bounds),
-            Order::Gain(index, value) => self.gain(index, value),
-            Order::PlanBegin(length) => {
-                self.plans.begin(length).map(|()| None).map_err(|_| Refusal::Plan)
+            Order::Gain(index, value) => taken(robot.set_gain(index, value), Refusal::Bounds),
+            Order::Watch(on) => {
+                robot.watch(on, now);
+                Ok(())
             }
-            Order::PlanEnd(checksum) => match self.plans.end(checksum) {
-                Ok(()) => Ok(Some(Event::PlanReceived)),
-                Err(_) => Err(Refusal::Plan),
-            },
+            Order::PlanBegin(length) => self.plans.begin(length).map_err(|_| Refusal::Plan),
+            Order::PlanEnd(checksum) => self.plans.end(checksum).map_err(|_| Refusal::Plan),
             Order::PlanForget => {
                 self.plans.forget();
-                Ok(None)
+                Ok(())
             }
         }
     }
 
-    /// Whether the sequence is ahead; stopping needs none.
-    fn sequenced(&mut self, order: Order, sequence: u8) -> Result<(), Refusal> {
+    /// Takes a sequence that is ahead. Stopping needs none, and anybody can replay it: false.
+    fn sequenced(&mut self, order: Order, sequence: u8) -> Result<bool, Refusal> {
         match order {
             Order::Hello => {
                 // A recorded hello must not reopen an old sequence: within a session it goes on.
@@ -214,21 +195,11 @@ impl<'b> Operator<'b> {
                     ahead(last, sequence)?;
                 }
             }
-            Order::Ask(Request::Stop | Request::EmergencyStop) => return Ok(()),
+            Order::Ask(Request::Stop | Request::EmergencyStop) => return Ok(false),
             _ => ahead(self.sequence.ok_or(Refusal::NoSession)?, sequence)?,
         }
         self.sequence = Some(sequence);
-        Ok(())
-    }
-
-    fn gain(&self, index: u8, value: f32) -> Result<Option<Event>, Refusal> {
-        let bounds = self.gains.get(usize::from(index)).ok_or(Refusal::Bounds)?;
-        // Not a number is within no bounds.
-        if value >= bounds.low && value <= bounds.high {
-            Ok(Some(Event::Gain { index, value }))
-        } else {
-            Err(Refusal::Bounds)
-        }
+        Ok(true)
     }
 }
 

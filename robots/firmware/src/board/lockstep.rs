@@ -8,7 +8,7 @@
 use super::Board;
 use super::mps2_an386::{Serial, Uart};
 use shapebot_bus::slcan::codec::{Command, Decoder, Token, command, encode, encode_status};
-use shapebot_drive::Frame;
+use shapebot_drive::{Fault, Frame};
 
 /// Frames of a tick at most; more are lost, as in a controller with a short queue.
 const ROOM: usize = 64;
@@ -94,6 +94,11 @@ impl Board for Lockstep {
         let Some(line) = self.lines.get_mut(bus) else { return false };
         line.write(encode(frame, None).as_bytes());
         true
+    }
+
+    /// Serial lines have no controllers whose state could be asked.
+    fn fault(&self) -> Option<Fault> {
+        None
     }
 
     fn alive(&mut self) {

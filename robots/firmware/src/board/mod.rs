@@ -10,7 +10,7 @@ pub use lockstep::Lockstep;
 #[cfg(feature = "mps2-an386")]
 pub use mps2_an386::{CLOCK, Instructions, Mps2An386, Serial, Uart, finish};
 
-use shapebot_drive::Frame;
+use shapebot_drive::{Fault, Frame};
 
 /// What the control loop needs of a board.
 pub trait Board {
@@ -26,6 +26,10 @@ pub trait Board {
 
     /// Puts a frame into the queue of a bus; `false` if there is no such bus or no room.
     fn send(&mut self, bus: usize, frame: &Frame) -> bool;
+
+    /// What the states of the CAN controllers mean: [`Fault::Bus`] if one is bus-off,
+    /// [`Fault::BusErrors`] if one is error-passive.
+    fn fault(&self) -> Option<Fault>;
 
     /// The cycle was completed: restart the watchdog. A board without watchdog must not drive a robot.
     fn alive(&mut self);

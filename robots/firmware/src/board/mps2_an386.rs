@@ -11,7 +11,7 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::{debug, hprintln};
 use shapebot_bus::slcan::codec::{Command, Decoder, Token, command, encode};
-use shapebot_drive::Frame;
+use shapebot_drive::{Fault, Frame};
 
 /// Frequency of the core, Hz.
 pub const CLOCK: u32 = 25_000_000;
@@ -141,6 +141,11 @@ impl Board for Mps2An386 {
             while !self.uart.write(*byte) {}
         }
         true
+    }
+
+    /// A serial line has no controller whose state could be asked.
+    fn fault(&self) -> Option<Fault> {
+        None
     }
 
     fn alive(&mut self) {}

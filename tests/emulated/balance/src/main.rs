@@ -6,8 +6,8 @@
 use cortex_m_rt::entry;
 use shapebot_answers::ballbot3d::DRIVE;
 use shapebot_control::Gains;
-use shapebot_drive::Frame;
 use shapebot_drive::operator::{Operator, PlanStore};
+use shapebot_drive::{Fault, Frame};
 use shapebot_firmware::board::{Lockstep, finish};
 use shapebot_firmware::{Application, run};
 use shapebot_generated::ballbot3d::{Ballbot3d, CONTROL};
@@ -41,8 +41,13 @@ impl Application for Robot<'_> {
         self.runtime.receive(bus, frame, now);
         let to = &DRIVE.operator;
         if bus == usize::from(to.bus) && frame.standard_id() == Some(to.command) {
-            self.operator.receive(frame.bytes(), self.runtime.master_mut(), now);
+            // Telemetry tells why a command is refused.
+            let _ = self.operator.receive(frame.bytes(), &mut self.runtime, now);
         }
+    }
+
+    fn fault(&mut self, fault: Fault, now: u64) {
+        self.runtime.report(fault, now);
     }
 
     fn cycle(&mut self, now: u64, send: &mut dyn FnMut(usize, &Frame)) {
@@ -66,6 +71,6 @@ fn main() -> ! {
         finish(false);
     }
     let store = PlanStore::new(&mut [], &mut []);
-    let operator = Operator::new(DRIVE.fingerprint, &[], store);
+    let operator = Operator::new(DRIVE.fingerprint, store);
     run(&mut board, &mut Robot { runtime, operator })
 }
