@@ -3,7 +3,7 @@
 use shapebot_bus::candump::Entry;
 use shapebot_bus::{Bus as _, Frame, Replay};
 use shapebot_drive::cia402;
-use shapebot_drive::id::Function;
+use shapebot_drive::id::{Function, SYNC};
 use shapebot_drive::legs::LegsState;
 use shapebot_drive::{DriveTable, NodeTable, Pdo, Signal, Source};
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ pub(crate) struct Traffic {
     pub(crate) frames: usize,
     /// What the tables do not have, or what does not decode.
     pub(crate) strange: Vec<String>,
-    /// Emergency frames other than "no error".
+    /// Emergency frames other than "no error", up to the last SYNC: then the master is gone.
     pub(crate) emergencies: Vec<String>,
     /// NMT "start" commands.
     pub(crate) starts: usize,
@@ -54,11 +54,13 @@ impl Traffic {
     pub(crate) fn of(entries: Vec<Entry>, table: &DriveTable<'_>) -> Self {
         let mut traffic = Self { frames: entries.len(), ..Self::default() };
         let mut cycles: Vec<Cycle> = Vec::new();
+        let mut emergencies = 0;
         let mut log = Replay::new(entries);
         while let Ok(Some(received)) = log.receive(u64::MAX) {
             let cyclic = traffic.note(&received.frame, table);
             match received.frame.standard_id() {
-                Some(shapebot_drive::id::SYNC) => {
+                Some(SYNC) => {
+                    emergencies = traffic.emergencies.len();
                     cycles.push(Cycle { at: received.time, pdos: Vec::new() });
                 }
                 Some(id) if cyclic => {
@@ -69,6 +71,7 @@ impl Traffic {
                 _ => {}
             }
         }
+        traffic.emergencies.truncate(emergencies);
         traffic.judge(&cycles, table);
         traffic
     }
