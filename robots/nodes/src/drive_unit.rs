@@ -12,6 +12,16 @@ pub trait Mechanism {
     /// Its rate, per second.
     fn rate(&self, index: usize) -> f64;
 
+    /// What a sensor that counts as exactly as one likes says of a coordinate.
+    fn sensed(&self, index: usize) -> f64 {
+        self.coordinate(index)
+    }
+
+    /// The same of its rate.
+    fn sensed_rate(&self, index: usize) -> f64 {
+        self.rate(index)
+    }
+
     /// Force of all motors on a coordinate from now on, N·m or N.
     fn set_force(&mut self, index: usize, force: f64);
 
@@ -219,8 +229,8 @@ impl<M: Mechanism> Plant for DriveUnit<M> {
 
     fn measure(&self, quantity: Quantity) -> f64 {
         match quantity {
-            Quantity::Coordinate(index) => self.mechanism.coordinate(index),
-            Quantity::Rate(index) => self.mechanism.rate(index),
+            Quantity::Coordinate(index) => self.mechanism.sensed(index),
+            Quantity::Rate(index) => self.mechanism.sensed_rate(index),
             Quantity::Heading => self.body.angle,
             Quantity::HeadingRate => self.body.rate,
             Quantity::Yaw => self.yaw(),

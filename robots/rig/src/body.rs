@@ -5,6 +5,7 @@ use shapebot_control::State;
 use shapebot_dynamics::{Robot, Role};
 use shapebot_nodes::Mechanism;
 use shapebot_sim::Plant;
+use std::collections::VecDeque;
 
 /// How the robot stands on its legs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +41,8 @@ pub struct Touchdown {
     pub speed: f64,
 }
 
-/// A plant with legs, driven by the motors that act on its coordinates.
+/// A plant with legs, driven by the motors that act on its coordinates. Sensors err, and forces are late,
+/// as the plant's scenario says.
 ///
 /// Legs with extension e ∈ \[0, 1\] leave a free lean of (1 − e) times that of retracted legs: beyond it
 /// they push back and the feet rub on the floor.
@@ -51,7 +53,11 @@ pub struct Body<'a, R, const N: usize, const NX: usize, const NS: usize> {
     /// Inertia of each lean coordinate at the origin; zero for other coordinates.
     lean_inertia: SVector<f64, N>,
     state: State<f64, N>,
+    /// Forces that act, and what was asked for last.
     force: SVector<f64, N>,
+    wanted: SVector<f64, N>,
+    /// Forces on their way, each with the time from which it acts.
+    on_the_way: VecDeque<(f64, SVector<f64, N>)>,
     time: f64,
     extension: f64,
     lowering: bool,
@@ -61,11 +67,9 @@ pub struct Body<'a, R, const N: usize, const NX: usize, const NS: usize> {
 
 impl<R, const N: usize, const NX: usize, const NS: usize> Clone for Body<'_, R, N, NX, NS> {
     fn clone(&self) -> Self {
-        *self
+        Self { on_the_way: self.on_the_way.clone(), ..*self }
     }
 }
-
-impl<R, const N: usize, const NX: usize, const NS: usize> Copy for Body<'_, R, N, NX, NS> {}
 
 impl<'a, R, const N: usize, const NX: usize, const NS: usize> Body<'a, R, N, NX, NS>
 where
@@ -86,6 +90,8 @@ where
             lean_inertia: SVector::from_fn(|i, _| if is_lean(i) { mass[(i, i)] } else { 0.0 }),
             state: State { q: zero, qd: zero },
             force: zero,
+            wanted: zero,
+            on_the_way: VecDeque::new(),
             time: 0.0,
             extension: 1.0,
             lowering: false,
@@ -181,6 +187,9 @@ where
 
     /// The classical Runge-Kutta method of fourth order with the forces held.
     fn integrate(&mut self, h: f64) {
+        while let Some((_, force)) = self.on_the_way.pop_front_if(|(from, _)| *from <= self.time) {
+            self.force = force;
+        }
         let force = self.force + self.support();
         let State { q, qd } = self.state;
         let acceleration = |part: f64, at: &State<f64, N>| {
@@ -226,9 +235,23 @@ where
         self.state.qd.get(index).copied().unwrap_or_default()
     }
 
+    fn sensed(&self, index: usize) -> f64 {
+        self.plant.sensed(self.time, &self.state).q.get(index).copied().unwrap_or_default()
+    }
+
+    fn sensed_rate(&self, index: usize) -> f64 {
+        self.plant.sensed(self.time, &self.state).qd.get(index).copied().unwrap_or_default()
+    }
+
     fn set_force(&mut self, index: usize, force: f64) {
-        if let Some(entry) = self.force.get_mut(index) {
+        if let Some(entry) = self.wanted.get_mut(index) {
             *entry = force;
+        }
+        let delay = self.plant.scenario().actuation_delay;
+        if delay > 0.0 {
+            self.on_the_way.push_back((self.time + delay, self.wanted));
+        } else {
+            self.force = self.wanted;
         }
     }
 

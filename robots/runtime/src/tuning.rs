@@ -16,14 +16,15 @@ pub struct Tunable {
     pub high: f32,
 }
 
-/// What an operator may set, by number. Within these bounds bundled robots stay up.
+/// What an operator may set, by number. At every corner of these bounds bundled
+/// ballbots keep to a plan under a push.
 pub const TUNABLE: [Tunable; 4] = [
     // k_x of the outer loop.
-    Tunable { name: "position", low: 0.5, high: 1.5 },
+    Tunable { name: "position", low: 0.6, high: 1.25 },
     // k_v of the outer loop.
-    Tunable { name: "velocity", low: 0.75, high: 1.5 },
+    Tunable { name: "velocity", low: 0.85, high: 1.25 },
     // k_p, k_d and k_i of the balancing loop.
-    Tunable { name: "balance", low: 0.8, high: 1.25 },
+    Tunable { name: "balance", low: 0.9, high: 1.25 },
     // ω of the actuated shape variables, with their integral gain.
     Tunable { name: "servo", low: 0.5, high: 1.25 },
 ];
@@ -91,9 +92,9 @@ mod tests {
         assert_eq!(tuned.servo_rate, 0.5 * design.servo_rate);
         assert_eq!(tuned.servo_integral, 0.125 * design.servo_integral);
         assert_eq!((tuned.lean, tuned.position), (design.lean, design.position));
-        let tuned = tuning.with(2, 1.25).and_then(|tuning| tuning.with(0, 0.5)).unwrap().gains();
+        let tuned = tuning.with(2, 1.25).and_then(|tuning| tuning.with(0, 0.75)).unwrap().gains();
         assert_eq!(tuned.lean[0], 1.25 * design.lean[0]);
         assert_eq!(tuned.lean_rate[1], 1.25 * design.lean_rate[1]);
-        assert_eq!((tuned.position, tuned.velocity), (design.position * 0.5, design.velocity));
+        assert_eq!((tuned.position, tuned.velocity), (design.position * 0.75, design.velocity));
     }
 }

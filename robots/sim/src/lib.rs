@@ -54,6 +54,7 @@ mod record;
 mod reference;
 mod scale;
 mod scenario;
+mod sensed;
 mod sensors;
 mod simulate;
 

@@ -111,6 +111,12 @@ impl<'a, const N: usize, const NX: usize, const NS: usize> Plant<'a, N, NX, NS> 
         &self.per_output
     }
 
+    /// What differs from the nominal case.
+    #[must_use]
+    pub const fn scenario(&self) -> &'a Scenario<NX, NS> {
+        self.scenario
+    }
+
     /// The system.
     pub fn system(&self) -> &'a dyn LagrangianSystem<f64, N> {
         self.system

@@ -67,6 +67,11 @@ impl Followed {
         self.compensation[coordinates].iter().fold(0.0, |most, x| f64::max(most, *x))
     }
 
+    /// What came of it.
+    pub(crate) const fn outcome(&self) -> &Outcome {
+        &self.outcome
+    }
+
     /// The error against the plan is the robot's own and below a bound in metres; no frame was lost and no
     /// torque cut.
     pub(crate) fn assert_within(&self, bound: f64) {
@@ -107,18 +112,33 @@ pub(crate) fn follow<R, const N: usize, const NX: usize, const NS: usize>(
 where
     R: Robot<f64, N, NX, NS>,
 {
+    let plant = Plant::new(robot, robot, scenario, 0.0005).unwrap();
+    follow_on(robot, &plant, gains, drive_name, motion, &Script::default())
+}
+
+/// The same on any plant, with times of its own.
+pub(crate) fn follow_on<R, const N: usize, const NX: usize, const NS: usize>(
+    robot: &R,
+    plant: &Plant<'_, N, NX, NS>,
+    gains: &Gains<f64, NX, NS>,
+    drive_name: &str,
+    motion: &PlannedMotion,
+    script: &Script,
+) -> Followed
+where
+    R: Robot<f64, N, NX, NS>,
+{
     let description = drive(drive_name, robot.description());
     let tables = description.tables();
     let table = tables.table();
     let plan = PlanView::<f64, NX, NS, N>::open_any(&motion.files.binary).unwrap();
-    let plant = Plant::new(robot, robot, scenario, 0.0005).unwrap();
-    let mut world = network(&description, robot, &plant, 1).unwrap();
+    let mut world = network(&description, robot, plant, 1).unwrap();
     let period = f64::from(table.timing.period_us) * 1e-6;
     let gains = Gains { period, ..*gains };
     let mut runtime = Runtime::new(robot, &table, &gains, &Settings::default()).unwrap();
     runtime.load(plan).unwrap();
     let mut compensation = SVector::<f64, NS>::zeros();
-    let outcome = run(&mut runtime, (robot, &plan), &mut world, &Script::default(), &mut |cycle| {
+    let outcome = run(&mut runtime, (robot, &plan), &mut world, script, &mut |cycle| {
         let snapshot = cycle.snapshot;
         if let (Some(_), Some(command)) = (snapshot.plan_time, snapshot.command) {
             compensation = compensation.sup(&command.compensation.abs());
