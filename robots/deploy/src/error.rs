@@ -19,6 +19,8 @@ pub enum Error {
     Control(shapebot_control::Error),
     /// The plan of the tests cannot be written.
     Plan(shapebot_planner::value::FileError),
+    /// The plan that was given is none, or is another robot's.
+    GivenPlan(shapebot_planner::value::FileError),
     /// This build has not the sources of a crate that the target needs.
     Sources {
         /// The crate.
@@ -68,6 +70,7 @@ impl fmt::Display for Error {
             Self::Gains(why) => write!(f, "no controller for this robot: {why}"),
             Self::Control(error) => write!(f, "{error}"),
             Self::Plan(error) => write!(f, "the plan of the tests: {error}"),
+            Self::GivenPlan(error) => write!(f, "the plan: {error}"),
             Self::Sources { name } => write!(
                 f,
                 "this build has not the sources of `{name}`: build the tool from a checkout"
@@ -98,7 +101,7 @@ impl std::error::Error for Error {
             Self::Drive(error) => Some(error),
             Self::Robot(error) => Some(error),
             Self::Control(error) => Some(error),
-            Self::Plan(error) => Some(error),
+            Self::Plan(error) | Self::GivenPlan(error) => Some(error),
             Self::Io { source, .. } => Some(source),
             _ => None,
         }

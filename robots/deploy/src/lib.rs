@@ -3,7 +3,7 @@
 //!
 //! | in the folder | what it is |
 //! | --- | --- |
-//! | `src/` | the robot's dynamics and gains, the drive's tables, and the program around them |
+//! | `src/` | the robot's dynamics and gains, the drive's tables, its plan, and the program around them |
 //! | `crates/` | the sources of the runtime crates, with manifests that need no workspace |
 //! | `tests/` | the robot against vectors that were recorded from the model by another way |
 //! | `can/` | DBC file of each bus, bus load, set-up of the nodes |
@@ -21,6 +21,7 @@
 mod derived;
 mod error;
 mod files;
+mod plan;
 mod render;
 mod request;
 mod sources;
@@ -47,6 +48,7 @@ pub fn deploy(request: &Request<'_>) -> Result<Files, Error> {
     sources::add(&derived, request.target, &mut files)?;
     render::add(&derived, request, &mut files)?;
     vectors::add(&derived, &mut files)?;
+    plan::add(&derived, request, &mut files)?;
     files.add("model/".to_owned() + &derived.stem + ".robot", request.model.text);
     files.add("drive/".to_owned() + &derived.drive.name + ".toml", request.drive.text);
     files.seal();

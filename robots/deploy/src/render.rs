@@ -54,7 +54,7 @@ pub(crate) fn add(
             }
         }
     }
-    files.add("src/lib.rs", library(derived));
+    files.add("src/lib.rs", library(derived, request.plan.is_some()));
     files.add("src/dynamics.rs", derived.module.text.as_str());
     files.add("src/drive.rs", description.rust());
     files.add("tests/recorded.rs", include_str!("../templates/recorded.rs"));
@@ -89,8 +89,8 @@ fn text(
 }
 
 /// `src/lib.rs`.
-fn library(derived: &Derived) -> String {
-    let tokens = library_tokens(derived);
+fn library(derived: &Derived, has_plan: bool) -> String {
+    let tokens = library_tokens(derived, has_plan);
     // What we emit parses; if not, the compiler of the output says so at the place.
     match syn::parse2::<syn::File>(tokens.clone()) {
         Ok(file) => prettyplease::unparse(&file),
@@ -98,7 +98,7 @@ fn library(derived: &Derived) -> String {
     }
 }
 
-fn library_tokens(derived: &Derived) -> TokenStream {
+fn library_tokens(derived: &Derived, has_plan: bool) -> TokenStream {
     let names = &derived.module.names;
     let (module, baked) = (format_ident!("{}", names.module), format_ident!("{}", names.baked));
     let drive = format_ident!("{}", derived.drive.name);
@@ -111,6 +111,10 @@ fn library_tokens(derived: &Derived) -> TokenStream {
          parameters at run time is there for identification."
             .to_owned(),
     ];
+    let plan = match has_plan {
+        true => quote!(Some(include_bytes!("plan.bin"))),
+        false => quote!(None),
+    };
     quote! {
         #(#![doc = #docs])*
         #![no_std]
@@ -131,5 +135,8 @@ fn library_tokens(derived: &Derived) -> TokenStream {
 
         /// The robot.
         pub static ROBOT: Robot = Robot;
+
+        /// The plan that the program has from the start.
+        pub static PLAN: Option<&[u8]> = #plan;
     }
 }

@@ -46,4 +46,6 @@ pub struct Request<'a> {
     pub drive: Text<'a>,
     /// Where the program runs.
     pub target: Target,
+    /// Binary plan file that the program has from the start; on a microcontroller its only one.
+    pub plan: Option<&'a [u8]>,
 }

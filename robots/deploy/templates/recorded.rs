@@ -9,7 +9,7 @@ use robot::{CONTROL, DESCRIPTION, DRIVE, N, NS, NX, ROBOT, Robot};
 use shapebot_control::{Controller, Gains, State, Target};
 use shapebot_dynamics::nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{LagrangianSystem, ShapeAccelerated};
-use shapebot_planner::value::{PlanView, RobotId};
+use shapebot_planner::value::{PlanBytes, PlanView, RobotId};
 
 mod vectors;
 
@@ -82,6 +82,10 @@ fn controller_steps_are_those_recorded() {
 
 #[test]
 fn plan_is_evaluated_in_place_as_recorded() {
+    if let Some(own) = robot::PLAN {
+        let own = PlanBytes::open(own).expect("the plan of the program");
+        RobotId::of(&DESCRIPTION).check(own.robot()).expect("a plan for this robot");
+    }
     let id = RobotId::of(&DESCRIPTION);
     let plan = PlanView::<f64, NX, NS, N>::open(PLAN, &id).expect("the plan of this robot");
     for point in POINTS {

@@ -7,6 +7,7 @@ use shapebot_deploy::{Request, Target, Text, deploy, write};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::{Mutex, PoisonError};
 
 /// Says that a test is skipped and why, past the capture of the test harness.
 fn skip(name: &str, why: &str) {
@@ -29,6 +30,7 @@ fn deployed(name: &str, target: Target) -> tempfile::TempDir {
         model: Text { name: &model, text: shapebot_models::text(name).expect("a model") },
         drive: Text { name: &drive, text: shapebot_drives::text(name).expect("a drive") },
         target,
+        plan: None,
     });
     let folder = tempfile::tempdir().expect("a folder");
     let files = files.unwrap_or_else(|error| panic!("{error}"));
@@ -66,8 +68,13 @@ fn cargo(folder: &Path, arguments: &[&str]) -> Option<String> {
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
+/// Folders share a target folder, in which cargo gives their crates the same names: one at a time.
+static BUILDING: Mutex<()> = Mutex::new(());
+
 /// Tests, then the program's own usage.
 fn builds_alone(name: &str, target: Target) {
+    // What failed elsewhere is said there.
+    let _building = BUILDING.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = deployed(name, target);
     let Some(printed) = cargo(folder.path(), &["test", "--offline", "--quiet"]) else { return };
     assert!(printed.contains("5 passed; 0 failed"), "{printed}");

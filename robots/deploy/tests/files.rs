@@ -1,9 +1,18 @@
 //! What is written, without building it.
 
 use shapebot_deploy::{Error, Files, Request, Target, Text, deploy, write};
+use shapebot_dynamics::LagrangianSystem as _;
+use shapebot_generated::ballbot_planar::BallbotPlanar;
+use shapebot_planner::value::{
+    FileError, PlanBytes, RobotId, Sizes, encode_values, encoded_values_len,
+};
 use std::fs;
 
 fn request(name: &str, target: Target) -> Result<Files, Error> {
+    request_with(name, target, None)
+}
+
+fn request_with(name: &str, target: Target, plan: Option<&[u8]>) -> Result<Files, Error> {
     let file = |ending: &str| format!("{name}.{ending}");
     let model = shapebot_models::text(name).expect("a bundled model");
     let drive = shapebot_drives::text(name).expect("a bundled drive");
@@ -11,6 +20,7 @@ fn request(name: &str, target: Target) -> Result<Files, Error> {
         model: Text { name: &file("robot"), text: model },
         drive: Text { name: &file("toml"), text: drive },
         target,
+        plan,
     })
 }
 
@@ -84,7 +94,7 @@ fn mistakes_in_either_text_are_told_with_their_place() {
     let both = |model, drive| {
         let model = Text { name: "a/my.robot", text: model };
         let drive = Text { name: "my.toml", text: drive };
-        deploy(&Request { model, drive, target: Target::Linux }).expect_err("a mistake")
+        deploy(&Request { model, drive, target: Target::Linux, plan: None }).expect_err("a mistake")
     };
     let error = both("robot X {", drive);
     assert!(
@@ -130,4 +140,37 @@ fn a_folder_of_somebody_else_is_left_alone() {
     assert!(matches!(write(&files, &file), Err(Error::Occupied { .. })));
     let left: Vec<_> = fs::read_dir(parent.path()).expect("a folder").flatten().collect();
     assert_eq!(left.len(), 2, "{left:?}");
+}
+
+/// A ball that stays at .25 rad, as a binary plan of three nodes.
+fn stay(id: &RobotId<'_>) -> Vec<u8> {
+    let sizes = Sizes { positions: 1, shapes: 1, forces: 2 };
+    let mut file = vec![0; encoded_values_len::<f64>(&sizes, 3)];
+    let value = |_: usize, index: usize| if index == 0 { 0.25 } else { 0.0 };
+    encode_values::<f64>(id, &sizes, 3, |node| node as f64, value, &mut file).expect("a plan");
+    file
+}
+
+#[test]
+fn a_plan_goes_along_in_the_targets_scalar() {
+    let id = RobotId::of(BallbotPlanar::<f64>::from_model().description());
+    let plan = stay(&id);
+    for (target, scalar) in [(Target::Linux, 8), (Target::CortexM, 4)] {
+        let files = request_with("ballbot_planar", target, Some(&plan)).expect("its plan");
+        let bytes = files.get("src/plan.bin").expect("the plan");
+        let kept = PlanBytes::open(bytes).expect("a plan");
+        assert_eq!((kept.scalar(), kept.nodes(), kept.value(1, 0)), (scalar, 3, 0.25));
+        id.check(kept.robot()).expect("the same robot");
+        assert!(text(&files, "src/lib.rs").contains("include_bytes!(\"plan.bin\")"));
+    }
+    assert!(planar(Target::Linux).get("src/plan.bin").is_none());
+    // Another robot's plan, a changed one, and what is none.
+    let other = request_with("ballbot3d", Target::Linux, Some(&plan));
+    assert!(matches!(other, Err(Error::GivenPlan(FileError::OtherRobot { .. }))));
+    let mut changed = plan.clone();
+    changed[100] ^= 1;
+    for wrong in [&changed[..], b"SBPL", b""] {
+        let refused = request_with("ballbot_planar", Target::CortexM, Some(wrong));
+        assert!(matches!(refused, Err(Error::GivenPlan(_))));
+    }
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 pub const HELP: &str = "\
 Options:
   --bus NAME=PORT    port of a bus of the drive, once for each: can0, or a path such as /dev/ttyACM0 (slcan)
-  --plan FILE        plan to be followed, as the operator may ask
+  --plan FILE        plan to be followed, as the operator may ask; instead of the built-in one
   --socket PATH      Unix socket for operators
   --priority N       priority of SCHED_FIFO, 1 to 99: 80 if not given
   --ordinary         neither SCHED_FIFO nor locked memory

@@ -7,7 +7,7 @@ use shapebot_control::Gains;
 use shapebot_drive::DriveTable;
 use shapebot_dynamics::Robot;
 use shapebot_dynamics::control::ControlDesign;
-use shapebot_planner::value::RobotId;
+use shapebot_planner::value::{PlanView, RobotId};
 use shapebot_runtime::{Runtime, Settings};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::io::{self, Write};
@@ -24,6 +24,8 @@ pub struct Robotics<'a, R> {
     pub control: &'a ControlDesign,
     /// Its drive.
     pub drive: &'a DriveTable<'a>,
+    /// The plan that it has unless the command line names another one.
+    pub plan: Option<&'static [u8]>,
 }
 
 /// Reads the command line, runs the loop and says on standard error what happened.
@@ -65,14 +67,17 @@ fn run<R, const N: usize, const NX: usize, const NS: usize>(
 where
     R: Robot<f64, N, NX, NS>,
 {
-    let Robotics { robot, control, drive } = robotics;
+    let Robotics { robot, control, drive, plan } = robotics;
     let mut signals = signals()?;
     let mut gains = Gains::from_design(robot, control)?;
     gains.period = f64::from(drive.timing.period_us) * 1e-6;
     let mut runtime = Runtime::new(robot, drive, &gains, &Settings::default())?;
-    let mut plans = Plans::new(RobotId::of(robot.description()));
-    if let Some(path) = &options.plan {
-        runtime.load(plans.read(path)?)?;
+    let id = RobotId::of(robot.description());
+    let mut plans = Plans::new(id);
+    match (&options.plan, plan) {
+        (Some(path), _) => runtime.load(plans.read(path)?)?,
+        (None, Some(bytes)) => runtime.load(PlanView::open(bytes, &id)?)?,
+        (None, None) => {}
     }
     let socket = options.socket.as_deref().map(Socket::bind).transpose()?;
     let ports = ports::open(drive, options)?;

@@ -10,7 +10,7 @@ memory.x of an earlier one are kept.
 
 Examples:
   shapebot deploy my.robot --drive my.toml --target linux -o my_robot
-  shapebot deploy ballbot_planar --drive ballbot_planar --target cortex-m -o firmware";
+  shapebot deploy ballbot_planar --drive ballbot_planar --target cortex-m --plan out/walk.plan -o firmware";
 
 /// Where the robot's program runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -34,6 +34,10 @@ pub(crate) struct DeployArgs {
     /// Where the robot's program runs
     #[arg(long, value_enum)]
     pub(crate) target: DeployTarget,
+
+    /// Binary plan that the program has from the start; on a microcontroller its only one
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plan: Option<PathBuf>,
 
     /// Folder of the crate
     #[arg(short, long, value_name = "DIR")]

@@ -16,10 +16,12 @@ pub(crate) fn run(args: &DeployArgs) -> Outcome {
         DeployTarget::Linux => Target::Linux,
         DeployTarget::CortexM => Target::CortexM,
     };
+    let plan = args.plan.as_deref().map(super::operator::read_plan).transpose()?;
     let request = Request {
         model: Text { name: &text.name, text: &model },
         drive: Text { name: &name, text: &drive },
         target,
+        plan: plan.as_deref(),
     };
     let files = deploy(&request).map_err(refused)?;
     write(&files, &args.output).map_err(Failure::usage)?;

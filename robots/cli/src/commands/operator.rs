@@ -105,7 +105,8 @@ const fn order(order: &OrderArgs) -> Option<Order> {
     })
 }
 
-fn read_plan(path: &Path) -> Outcome<Vec<u8>> {
+/// The bytes of a binary plan file.
+pub(super) fn read_plan(path: &Path) -> Outcome<Vec<u8>> {
     let bytes = std::fs::read(path).map_err(|e| Failure::file("read", path, &e))?;
     if bytes.len() > LONGEST_PLAN || !bytes.starts_with(b"SBPL") {
         let place = path.display();

@@ -8,11 +8,12 @@
 mod board;
 
 use cortex_m_rt::entry;
-use robot::{CONTROL, DRIVE, N, NS, NX, ROBOT, Robot};
+use robot::{CONTROL, DESCRIPTION, DRIVE, N, NS, NX, PLAN, ROBOT, Robot};
 use shapebot_control::Gains;
 use shapebot_drive::operator::{Operator, PlanStore};
 use shapebot_drive::{Fault, Frame};
 use shapebot_firmware::{Application, run};
+use shapebot_planner::value::{PlanView, RobotId};
 use shapebot_runtime::{Runtime, Settings};
 
 /// Turns in a period of the drive.
@@ -24,12 +25,16 @@ struct Control {
 }
 
 impl Control {
-    /// `None` if robot, gains and drive do not fit together; the crate's tests would have said so.
+    /// `None` if robot, gains, drive and plan do not fit together; the crate's tests would have said so.
     fn new() -> Option<Self> {
         let mut gains = Gains::<f32, NX, NS>::from_design(&ROBOT, &CONTROL).ok()?;
         gains.period = DRIVE.timing.period_us as f32 * 1e-6;
-        let runtime = Runtime::new(&ROBOT, &DRIVE, &gains, &Settings::default()).ok()?;
-        // No buffers: plans are not uploaded to this target.
+        let mut runtime = Runtime::new(&ROBOT, &DRIVE, &gains, &Settings::default()).ok()?;
+        if let Some(bytes) = PLAN {
+            let plan = PlanView::open(bytes, &RobotId::of(&DESCRIPTION)).ok()?;
+            runtime.load(plan).ok()?;
+        }
+        // No buffers: this target's plan is the one that it was built with.
         let plans = PlanStore::new(&mut [], &mut []);
         Some(Self { runtime, operator: Operator::new(DRIVE.fingerprint, plans) })
     }
