@@ -3,70 +3,13 @@
 //! What cargo needs of crates.io has to be in its cache: it is, where this test was built, as far as the
 //! features agree. `SHAPEBOT_REQUIRE=deploy` makes a machine without it fail instead of skip.
 
-use shapebot_deploy::{Request, Target, Text, deploy, write};
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod common;
+
+use common::{build_folder, cargo, deployed, run, skip};
+use shapebot_deploy::Target;
+use std::path::Path;
+use std::process::Command;
 use std::sync::{Mutex, PoisonError};
-
-/// Says that a test is skipped and why, past the capture of the test harness.
-fn skip(name: &str, why: &str) {
-    let required = std::env::var("SHAPEBOT_REQUIRE").unwrap_or_default();
-    let listed = |word: &str| word.trim() == name || word.trim() == "all";
-    assert!(!required.split(',').any(listed), "SHAPEBOT_REQUIRE wants `{name}`: {why}");
-    let _ = writeln!(std::io::stderr(), "skipped ({name}): {why}");
-}
-
-/// A folder of the build that runs these tests.
-fn build_folder(name: &str) -> PathBuf {
-    let test = std::env::current_exe().expect("this test");
-    test.ancestors().nth(3).expect("a target folder").join(name)
-}
-
-/// A deployed crate, in a folder that has no checkout above it.
-fn deployed(name: &str, target: Target) -> tempfile::TempDir {
-    let (model, drive) = (format!("{name}.robot"), format!("{name}.toml"));
-    let files = deploy(&Request {
-        model: Text { name: &model, text: shapebot_models::text(name).expect("a model") },
-        drive: Text { name: &drive, text: shapebot_drives::text(name).expect("a drive") },
-        target,
-        plan: None,
-    });
-    let folder = tempfile::tempdir().expect("a folder");
-    let files = files.unwrap_or_else(|error| panic!("{error}"));
-    write(&files, &folder.path().join("robot")).unwrap_or_else(|error| panic!("{error}"));
-    folder
-}
-
-/// Runs a command without the outer cargo's environment.
-fn run(program: &Path, folder: &Path, target: &str, arguments: &[&str]) -> Output {
-    let mut command = Command::new(program);
-    for (name, _) in std::env::vars_os() {
-        let text = name.to_string_lossy();
-        let inner = text.starts_with("CARGO_PKG_") || text.starts_with("CARGO_MANIFEST_");
-        if inner || ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "OUT_DIR"].contains(&&*text) {
-            command.env_remove(&name);
-        }
-    }
-    command.args(arguments).current_dir(folder.join("robot"));
-    command.env("CARGO_TARGET_DIR", build_folder(target));
-    command.env("CARGO_NET_OFFLINE", "true").env("CARGO_TERM_COLOR", "never");
-    command.output().unwrap_or_else(|error| panic!("{}: {error}", program.display()))
-}
-
-/// Runs cargo; `None`, after a line that says so, where its cache lacks a package.
-fn cargo(folder: &Path, arguments: &[&str]) -> Option<String> {
-    let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = run(Path::new(&program), folder, "deployed", arguments);
-    let errors = String::from_utf8_lossy(&output.stderr);
-    let lacking = ["no matching package", "unable to update", "failed to download"];
-    if !output.status.success() && lacking.iter().any(|text| errors.contains(text)) {
-        skip("deploy", errors.trim());
-        return None;
-    }
-    assert!(output.status.success(), "cargo {} failed:\n{errors}", arguments.join(" "));
-    Some(String::from_utf8_lossy(&output.stdout).into_owned())
-}
 
 /// Folders share a target folder, in which cargo gives their crates the same names: one at a time.
 static BUILDING: Mutex<()> = Mutex::new(());
