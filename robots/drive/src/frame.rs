@@ -25,6 +25,12 @@ impl Frame {
         frame
     }
 
+    /// A data frame of the first `len` bytes, at most eight; the identifier as in [`Self::new`].
+    pub(crate) fn of(id: u16, data: [u8; 8], len: u8) -> Self {
+        let id = StandardId::new(id & 0x7FF).unwrap_or(StandardId::ZERO);
+        Self { id: Id::Standard(id), remote: false, len: len.min(8), data }
+    }
+
     /// A data frame with any identifier, or `None` if there are more than eight bytes.
     #[must_use]
     pub fn checked(id: Id, bytes: &[u8]) -> Option<Self> {
@@ -85,6 +91,12 @@ impl Frame {
     #[must_use]
     pub const fn is_remote(&self) -> bool {
         self.remote
+    }
+
+    /// The eight bytes that a frame has room for, as two words; what it does not hold is zero.
+    pub(crate) const fn words(&self) -> [u32; 2] {
+        let [a, b, c, d, e, f, g, h] = self.data;
+        [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
     }
 
     /// The bytes if there are exactly `N` of them and the frame is a data frame.

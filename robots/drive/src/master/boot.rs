@@ -21,7 +21,11 @@ mod nmt {
 impl<'a> Master<'a> {
     /// One step of each node's set-up at most.
     pub(super) fn boot(&mut self, now: u64, out: Send<'_>) {
+        if self.settled {
+            return;
+        }
         let table = self.table;
+        let mut settled = true;
         for (index, node) in table.nodes.iter().enumerate() {
             let waits = |state: &&NodeState| !matches!(state.phase, Phase::Running | Phase::Failed);
             let Some(state) = self.nodes.get(index).filter(waits).copied() else { continue };
@@ -29,13 +33,16 @@ impl<'a> Master<'a> {
             if let Some(state) = self.nodes.get_mut(index) {
                 if phase == Phase::Running && state.phase != Phase::Running {
                     *state = NodeState { heard: now, ..NodeState::NEW };
+                    self.heartbeats_due = 0;
                 }
                 state.phase = phase;
+                settled &= matches!(phase, Phase::Running | Phase::Failed);
             }
             if let Some((fault, detail)) = fault {
                 self.raise(fault, Some(index), now, detail);
             }
         }
+        self.settled = settled;
     }
 
     fn boot_step(
@@ -136,14 +143,8 @@ impl<'a> Master<'a> {
     /// Heartbeats that stopped; the master's own.
     pub(super) fn heartbeats(&mut self, now: u64, out: Send<'_>) {
         let table = self.table;
-        for (index, node) in table.nodes.iter().enumerate() {
-            let Some(state) = self.nodes.get_mut(index) else { continue };
-            let silent = now.saturating_sub(state.heard);
-            if state.is_running() && silent > node.heartbeat_timeout_us.into() {
-                // Once, until it is heard or set up again.
-                state.phase = Phase::Failed;
-                self.raise(Fault::Heartbeat, Some(index), now, silent.min(u32::MAX.into()) as u32);
-            }
+        if now > self.heartbeats_due {
+            self.check_heartbeats(now);
         }
         if now >= self.next_heartbeat {
             let period = u64::from(table.timing.heartbeat_us).max(1);
@@ -155,8 +156,29 @@ impl<'a> Master<'a> {
         }
     }
 
+    /// Nodes that were silent for too long; and until when none can be.
+    fn check_heartbeats(&mut self, now: u64) {
+        let mut due = u64::MAX;
+        for (index, node) in self.table.nodes.iter().enumerate() {
+            let Some(state) = self.nodes.get_mut(index).filter(|state| state.is_running()) else {
+                continue;
+            };
+            let until = state.heard.saturating_add(node.heartbeat_timeout_us.into());
+            if now > until {
+                // Once, until it is heard or set up again.
+                let silent = now.saturating_sub(state.heard);
+                state.phase = Phase::Failed;
+                self.raise(Fault::Heartbeat, Some(index), now, silent.min(u32::MAX.into()) as u32);
+            } else {
+                due = due.min(until);
+            }
+        }
+        self.heartbeats_due = due;
+    }
+
     /// Resets nodes that are not running, and the faults of drives that are.
     pub(super) fn begin_reset(&mut self) {
+        self.settled = false;
         for state in &mut self.nodes {
             if state.is_running() {
                 state.reset_cycles = RESET_CYCLES;

@@ -95,7 +95,11 @@ impl Master<'_> {
             let Some(node) = self.nodes.get(index).filter(|node| node.is_running()) else {
                 continue;
             };
-            for (fault, detail) in self.complaints(table, node).into_iter().flatten() {
+            let [first, second] = self.complaints(table, node);
+            if first.is_none() && second.is_none() {
+                continue;
+            }
+            for (fault, detail) in first.into_iter().chain(second) {
                 self.raise(fault, Some(index), now, detail);
             }
         }
@@ -107,7 +111,7 @@ impl Master<'_> {
     fn complaints(&self, table: &NodeTable<'_>, node: &NodeState) -> [Option<(Fault, u32)>; 2] {
         match table.role {
             Role::Drive if node.received != 0 => {
-                let state = node.drive_state();
+                let state = node.drive_state;
                 let word = u32::from(node.statusword);
                 let enabled = state == cia402::State::OperationEnabled;
                 let power = if state.is_fault() || node.error_register & 1 != 0 {
@@ -140,15 +144,14 @@ impl Master<'_> {
             return;
         }
         for axis in self.table.axes {
-            let mut moved = axis.drives.iter().filter_map(|drive| {
-                let node = self.nodes.get(usize::from(*drive))?;
-                Some((*drive, node.moved()))
-            });
-            let Some((_, first)) = moved.next() else { continue };
-            let tolerance = axis.pair_tolerance;
-            let apart = |(_, other): &(u8, f32)| libm::fabsf(other - first) > tolerance;
-            if let Some((drive, _)) = moved.find(apart) {
-                self.raise(Fault::PairDisagrees, Some(drive.into()), now, 0);
+            let Some((lead, others)) = axis.drives.split_first() else { continue };
+            let Some(lead) = self.nodes.get(usize::from(*lead)) else { continue };
+            let apart = |drive: &&u8| {
+                let node = self.nodes.get(usize::from(**drive));
+                node.is_some_and(|node| lead.apart(node) > axis.pair_tolerance)
+            };
+            if let Some(drive) = others.iter().find(apart) {
+                self.raise(Fault::PairDisagrees, Some(usize::from(*drive)), now, 0);
             }
         }
     }
@@ -159,7 +162,7 @@ impl Master<'_> {
         }
         let limit = self.table.safety.lean_limit;
         for lean in self.table.safety.lean {
-            let value = self.measurement.position(usize::from(*lean)) as f32;
+            let value: f32 = self.measurement.way(usize::from(*lean), 0);
             if libm::fabsf(value) > limit {
                 self.raise(Fault::Lean, None, now, (*lean).into());
             }

@@ -50,13 +50,15 @@ pub(super) struct NodeState {
     /// Cycles in a row in which one was missing.
     pub(super) missed: u8,
     pub(super) statusword: u16,
+    /// State of a drive by its statusword; nonsense counts as a fault.
+    pub(super) drive_state: cia402::State,
     pub(super) mode: i8,
     pub(super) error_register: u8,
     /// Fault reset is under way: cycles for which bit 7 may stay set.
     pub(super) reset_cycles: u8,
     pub(super) controlword: u16,
-    /// Position object, as it came.
-    pub(super) counts: Option<i64>,
+    /// Position object as it came, extended to 32 bits.
+    pub(super) counts: Option<u32>,
     /// What the object went, counts, across its wraps.
     pub(super) travel: i64,
     /// The same when drives were enabled.
@@ -84,6 +86,7 @@ impl NodeState {
         received: 0,
         missed: 0,
         statusword: 0,
+        drive_state: cia402::State::NotReady,
         mode: 0,
         error_register: 0,
         reset_cycles: 0,
@@ -100,23 +103,34 @@ impl NodeState {
         legs: None,
     };
 
-    /// Position, in the coordinate's unit.
-    pub(super) fn position(&self) -> f64 {
-        self.travel as f64 * f64::from(self.unit)
+    /// A way of another drive in this one's counts; `None` unless they are of one size.
+    pub(super) fn own_counts(&self, other: &Self, way: i64) -> Option<i64> {
+        if other.unit == self.unit {
+            Some(way)
+        } else {
+            (other.unit == -self.unit).then(|| way.saturating_neg())
+        }
     }
 
-    /// Way since drives were enabled, in the coordinate's unit.
-    pub(super) fn moved(&self) -> f32 {
-        single(self.travel.saturating_sub(self.origin)) * self.unit
+    /// How far apart two drives are since they were enabled, in the coordinate's unit.
+    pub(super) fn apart(&self, other: &Self) -> f32 {
+        let [own, others] = [self, other].map(|node| node.travel.saturating_sub(node.origin));
+        let apart = match self.own_counts(other, others) {
+            Some(others) => single(own.saturating_sub(others)) * self.unit,
+            None => single(own) * self.unit - single(others) * other.unit,
+        };
+        libm::fabsf(apart)
     }
 
     pub(super) const fn is_running(&self) -> bool {
         matches!(self.phase, Phase::Running)
     }
 
-    /// State of a drive; nonsense counts as a fault.
-    pub(super) fn drive_state(&self) -> cia402::State {
-        cia402::State::of(self.statusword).unwrap_or(cia402::State::Fault)
+    pub(super) fn set_statusword(&mut self, word: u16) {
+        if word != self.statusword {
+            self.drive_state = cia402::State::of(word).unwrap_or(cia402::State::Fault);
+        }
+        self.statusword = word;
     }
 
     /// Whether a node is set up, alive and sound, and a drive can be enabled or is.
@@ -125,7 +139,7 @@ impl NodeState {
         let sound = match table.role {
             Role::Drive => {
                 let ready = matches!(
-                    self.drive_state(),
+                    self.drive_state,
                     cia402::State::ReadyToSwitchOn
                         | cia402::State::SwitchedOn
                         | cia402::State::OperationEnabled
@@ -140,7 +154,7 @@ impl NodeState {
     }
 
     pub(super) fn is_in_mode(&self, table: &NodeTable<'_>) -> bool {
-        table.motor.is_none_or(|motor| motor.mode == self.mode)
+        table.motor.as_ref().is_none_or(|motor| motor.mode == self.mode)
     }
 
     /// What an SDO answer means for the step that was asked.
@@ -155,9 +169,10 @@ impl NodeState {
     }
 }
 
-/// In single precision. Most numbers have 32 bits, for which there is an instruction.
+/// In single precision, by the instruction for 32 bits: exactly rounded for numbers of that size, within
+/// one unit in the last place beyond.
 pub(super) fn single(value: i64) -> f32 {
-    i32::try_from(value).map_or_else(|_| value as f32, |value| value as f32)
+    shapebot_dynamics::Ordered::from_i64(value)
 }
 
 fn judge(step: &SdoStep, answer: Answer) -> Verdict {
