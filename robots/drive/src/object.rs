@@ -151,27 +151,15 @@ impl DataType {
         matches!(self, Self::I8 | Self::I16 | Self::I32)
     }
 
-    /// The same for what has 32 bits.
-    pub(crate) fn encode_short(self, value: i32) -> [u8; 4] {
-        let within = match self {
-            Self::I8 => value.max(i8::MIN.into()).min(i8::MAX.into()),
-            Self::I16 => value.max(i16::MIN.into()).min(i16::MAX.into()),
-            Self::I32 => value,
-            Self::U8 => value.max(0).min(u8::MAX.into()),
-            Self::U16 => value.max(0).min(u16::MAX.into()),
-            Self::U32 => value.max(0),
-        };
-        within.to_le_bytes()
-    }
-
-    /// The value of its lowest bits, extended to 32 bits by its sign.
-    pub(crate) const fn extended(self, bits: u32) -> u32 {
+    /// The same for what has 32 bits, as a word with zeros above the type's bits.
+    pub(crate) fn encode_short(self, value: i32) -> u32 {
         match self {
-            Self::I8 => bits as i8 as u32,
-            Self::I16 => bits as i16 as u32,
-            Self::U8 => bits & 0xFF,
-            Self::U16 => bits & 0xFFFF,
-            Self::I32 | Self::U32 => bits,
+            Self::I8 => value.max(i8::MIN.into()).min(i8::MAX.into()) as u32 & 0xFF,
+            Self::I16 => value.max(i16::MIN.into()).min(i16::MAX.into()) as u32 & 0xFFFF,
+            Self::I32 => value as u32,
+            Self::U8 => value.max(0).min(u8::MAX.into()) as u32,
+            Self::U16 => value.max(0).min(u16::MAX.into()) as u32,
+            Self::U32 => value.max(0) as u32,
         }
     }
 
@@ -268,15 +256,12 @@ mod tests {
 
     #[test]
     fn extended_values_keep_their_sign_and_ways_cross_the_wrap() {
-        assert_eq!(DataType::I16.extended(0x1234_FFFE) as i32, -2);
-        assert_eq!(DataType::U16.extended(0x1234_FFFE), 0xFFFE);
         assert_eq!(DataType::U32.value(u32::MAX), i64::from(u32::MAX));
         assert_eq!(DataType::I32.value(u32::MAX), -1);
         assert_eq!(DataType::U32.single(u32::MAX), 4_294_967_296.0);
-        let to = |kind: DataType, value: i32| kind.extended(value as u32);
-        assert_eq!(DataType::I16.way(to(DataType::I16, 32_000), to(DataType::I16, -32_000)), 1536);
+        assert_eq!(DataType::I16.way(32_000, -32_000_i32 as u32), 1536);
         assert_eq!(DataType::U8.way(3, 250), -9);
-        assert_eq!(DataType::I32.way(to(DataType::I32, i32::MIN), to(DataType::I32, i32::MAX)), -1);
+        assert_eq!(DataType::I32.way(i32::MIN as u32, i32::MAX as u32), -1);
         assert_eq!(DataType::I8.lowest().map(|low| low as i32), Some(-128));
     }
 

@@ -1,7 +1,7 @@
 //! Boot: NMT, boot-up messages, SDO set-up, heartbeats.
 
 use super::node::{NodeState, Phase, Verdict, request};
-use super::{Master, Send};
+use super::{Master, Send, node_bit};
 use crate::fault::Fault;
 use crate::frame::Frame;
 use crate::id;
@@ -32,7 +32,7 @@ impl<'a> Master<'a> {
             let (phase, fault) = self.boot_step(node, &state, now, out);
             if let Some(state) = self.nodes.get_mut(index) {
                 if phase == Phase::Running && state.phase != Phase::Running {
-                    *state = NodeState { heard: now, ..NodeState::NEW };
+                    *state = NodeState::started(now, node);
                     self.heartbeats_due = 0;
                 }
                 state.phase = phase;
@@ -125,6 +125,7 @@ impl<'a> Master<'a> {
             (nmt::BOOT_UP, Phase::Next(_) | Phase::Asked { .. }) => state.phase = Phase::Next(0),
             (nmt::BOOT_UP, Phase::Running) => {
                 state.phase = Phase::Failed;
+                self.awaited &= !node_bit(index);
                 self.raise(Fault::Reboot, Some(index), now, 0);
             }
             (nmt::OPERATIONAL, Phase::Running) => {
@@ -134,6 +135,7 @@ impl<'a> Master<'a> {
             // The heartbeat of before the start command may still be on its way.
             (other, Phase::Running) if state.operational => {
                 state.phase = Phase::Failed;
+                self.awaited &= !node_bit(index);
                 self.raise(Fault::NotOperational, Some(index), now, other.into());
             }
             _ => {}
@@ -168,6 +170,7 @@ impl<'a> Master<'a> {
                 // Once, until it is heard or set up again.
                 let silent = now.saturating_sub(state.heard);
                 state.phase = Phase::Failed;
+                self.awaited &= !node_bit(index);
                 self.raise(Fault::Heartbeat, Some(index), now, silent.min(u32::MAX.into()) as u32);
             } else {
                 due = due.min(until);

@@ -1,7 +1,7 @@
 //! The cycle: SYNC, and what was missing since the last.
 
 use super::node::NodeState;
-use super::{Master, Send};
+use super::{Master, Send, node_bit};
 use crate::cia402;
 use crate::fault::Fault;
 use crate::frame::Frame;
@@ -34,9 +34,13 @@ impl Master<'_> {
             self.counters.skipped = self.counters.skipped.saturating_add(skipped);
             self.next_sync = now.saturating_add(period);
         }
-        for node in &mut self.nodes {
+        self.awaited = 0;
+        let nodes = self.nodes.iter_mut().take(self.table.nodes.len());
+        for (index, (node, expected)) in nodes.zip(&self.expected).enumerate() {
             node.received = 0;
-            node.synchronised = node.is_running();
+            if node.is_running() && *expected != 0 {
+                self.awaited |= node_bit(index);
+            }
         }
         self.taken = false;
         self.commanded = false;
@@ -63,14 +67,13 @@ impl Master<'_> {
 
     fn count_missed(&mut self, now: u64) {
         let (warning, limit) = (self.table.timing.missed_warning, self.table.timing.missed_fault);
+        if self.awaited == 0 && !self.missing {
+            return;
+        }
+        self.missing = self.awaited != 0;
         for index in 0..self.table.nodes.len() {
-            let (Some(state), Some(&expected)) =
-                (self.nodes.get_mut(index), self.expected.get(index))
-            else {
-                continue;
-            };
-            let waited_for = state.is_running() && state.synchronised;
-            if !waited_for || state.received & expected == expected {
+            let Some(state) = self.nodes.get_mut(index) else { continue };
+            if self.awaited & node_bit(index) == 0 {
                 state.missed = 0;
                 continue;
             }
@@ -95,10 +98,10 @@ impl Master<'_> {
             let Some(node) = self.nodes.get(index).filter(|node| node.is_running()) else {
                 continue;
             };
-            let [first, second] = self.complaints(table, node);
-            if first.is_none() && second.is_none() {
+            if node.is_sound_drive(table) {
                 continue;
             }
+            let [first, second] = self.complaints(table, node);
             for (fault, detail) in first.into_iter().chain(second) {
                 self.raise(fault, Some(index), now, detail);
             }
@@ -120,7 +123,7 @@ impl Master<'_> {
                     (self.state.permits_torque() && !enabled).then_some((Fault::NotEnabled, word))
                 };
                 let mode = node.mode as u8 as u32;
-                [power, (!node.is_in_mode(table)).then_some((Fault::WrongMode, mode))]
+                [power, (!node.is_in_mode).then_some((Fault::WrongMode, mode))]
             }
             Role::Drive => [None; 2],
             Role::Imu | Role::Encoder => {

@@ -1,12 +1,12 @@
 //! Inputs: what nodes send after SYNC.
 
-use super::Master;
 use super::node::{NodeState, single};
+use super::{Master, node_bit};
 use crate::fault::Fault;
 use crate::frame::Frame;
 use crate::legs::LegsState;
 use crate::object::DataType;
-use crate::table::{Entry, MAX_AXES, MAX_COORDINATES, Signal};
+use crate::table::{Entry, MAX_AXES, MAX_COORDINATES, NodeTable, Signal};
 use crate::yaw::Rotation;
 use shapebot_dynamics::Ordered;
 
@@ -111,25 +111,32 @@ struct Rest([u32; 2]);
 
 impl Rest {
     /// The next number of a type, extended to 32 bits by its sign.
+    #[inline(always)]
     fn take(&mut self, kind: DataType) -> u32 {
         let [low, high] = self.0;
-        self.0 = match kind.bytes() {
-            1 => [low >> 8 | high << 24, high >> 8],
-            2 => [low >> 16 | high << 16, high >> 16],
-            _ => [high, 0],
+        let bytes = [low >> 8 | high << 24, high >> 8];
+        let shorts = [low >> 16 | high << 16, high >> 16];
+        let (value, rest) = match kind {
+            DataType::I8 => (low as i8 as u32, bytes),
+            DataType::I16 => (low as i16 as u32, shorts),
+            DataType::U8 => (low & 0xFF, bytes),
+            DataType::U16 => (low & 0xFFFF, shorts),
+            DataType::I32 | DataType::U32 => (low, [high, 0]),
         };
-        kind.extended(low)
+        self.0 = rest;
+        value
     }
 }
 
 impl Master<'_> {
     /// A transmit PDO of a node.
+    // Not inline: what a caller holds in registers would be spilled in the loop.
+    #[inline(never)]
     pub(super) fn input(&mut self, index: usize, at: usize, frame: &Frame, now: u64) {
-        let table = self.table;
-        let Some(pdo) = table.nodes.get(index).and_then(|node| node.transmit.get(at)) else {
+        let Some(table) = self.table.nodes.get(index) else { return };
+        let (Some(pdo), Some(node)) = (table.transmit.get(at), self.nodes.get_mut(index)) else {
             return;
         };
-        let Some(node) = self.nodes.get_mut(index) else { return };
         if frame.bytes().len() != pdo.bytes() {
             self.counters.malformed = self.counters.malformed.saturating_add(1);
             return;
@@ -145,11 +152,16 @@ impl Master<'_> {
         }
         node.received |= bit;
         node.reported = true;
+        if let Some(expected) = self.expected.get(index)
+            && node.received & expected == *expected
+        {
+            self.awaited &= !node_bit(index);
+        }
         let mut rest = Rest(frame.words());
         let mut invalid = 0_u8;
         for entry in pdo.entries() {
             let raw = rest.take(entry.kind);
-            if !signal(node, &mut self.measurement, entry, raw) {
+            if !signal(node, table, &mut self.measurement, entry, raw) {
                 invalid = invalid.saturating_add(1);
             }
         }
@@ -167,11 +179,8 @@ impl Master<'_> {
         if self.taken || self.counters.cycles == 0 {
             return false;
         }
-        let late = now.saturating_sub(self.last_sync) >= self.table.timing.input_window_us.into();
-        let there = |(expected, node): (&u8, &NodeState)| {
-            !node.is_running() || node.received & expected == *expected
-        };
-        late || self.expected.iter().zip(&self.nodes).all(there)
+        self.awaited == 0
+            || now.saturating_sub(self.last_sync) >= self.table.timing.input_window_us.into()
     }
 
     /// The inputs of this cycle; what did not come keeps its value and grows older.
@@ -301,17 +310,12 @@ impl Master<'_> {
 
     /// What sensors did not send in this cycle grows older.
     fn age_sensors(&mut self) {
-        for (table, node) in self.table.nodes.iter().zip(&self.nodes) {
-            for (pdo, at) in table.transmit.iter().zip(0_u8..8) {
-                if node.received & 1 << at != 0 {
-                    continue;
-                }
-                for entry in pdo.entries() {
-                    if let Signal::Coordinate(index) = entry.signal {
-                        let age = self.measurement.age(index.into()).saturating_add(1);
-                        set(&mut self.measurement.age, index.into(), age);
-                    }
-                }
+        for sensed in self.sensed.iter().flatten() {
+            let node = self.nodes.get(usize::from(sensed.node));
+            if node.is_some_and(|node| node.received & sensed.pdo == 0) {
+                let index = usize::from(sensed.coordinate);
+                let age = self.measurement.age(index).saturating_add(1);
+                set(&mut self.measurement.age, index, age);
             }
         }
     }
@@ -351,11 +355,17 @@ fn parts(step: f32) -> i64 {
 
 /// Takes a number of a node; `false` if it is the one that stands for no value.
 #[inline(always)]
-fn signal(node: &mut NodeState, measurement: &mut Measurement, entry: &Entry, raw: u32) -> bool {
+fn signal(
+    node: &mut NodeState,
+    table: &NodeTable<'_>,
+    measurement: &mut Measurement,
+    entry: &Entry,
+    raw: u32,
+) -> bool {
     let value = || entry.kind.single(raw) * entry.scale;
     match entry.signal {
         Signal::Statusword => node.set_statusword(raw as u16),
-        Signal::ModeDisplay => node.mode = raw as i8,
+        Signal::ModeDisplay => node.set_mode(raw as i8, table),
         Signal::ErrorRegister => node.error_register = raw as u8,
         Signal::Position => position(node, entry, raw),
         Signal::Velocity => node.velocity = Some(value()),

@@ -15,7 +15,7 @@ use crate::jitter::Jitter;
 use crate::legs::LegsState;
 use crate::safety::{Request, State};
 use crate::table::{
-    DriveTable, MAX_AXES, MAX_COMMANDS, MAX_COORDINATES, MAX_ENTRIES, MAX_NODES, Pdo, Role,
+    DriveTable, MAX_AXES, MAX_COMMANDS, MAX_COORDINATES, MAX_ENTRIES, MAX_NODES, Pdo, Role, Signal,
 };
 use crate::yaw::{HeadingHold, Rotation};
 pub use inputs::Measurement;
@@ -76,6 +76,12 @@ pub struct Master<'a> {
     events: u32,
     /// Smallest torque limit of each axis' drives, counts.
     torque_limit: [i32; MAX_AXES],
+    /// Running nodes of which an input of this cycle is missing yet, a bit each.
+    awaited: u16,
+    /// A node may have missed inputs in the cycle before.
+    missing: bool,
+    /// Coordinates that sensors measure.
+    sensed: [Option<Sensed>; MAX_COORDINATES],
     /// No node is being set up.
     settled: bool,
     /// Until then no running node can have been silent for too long, µs.
@@ -118,7 +124,16 @@ pub struct Master<'a> {
     plane: [i64; 2],
 }
 
-const _: () = assert!(MAX_ENTRIES == 8 && MAX_COORDINATES <= 16);
+const _: () = assert!(MAX_ENTRIES == 8 && MAX_COORDINATES <= 16 && MAX_NODES <= 16);
+
+/// A coordinate that a sensor measures.
+#[derive(Clone, Copy, Debug)]
+struct Sensed {
+    coordinate: u8,
+    node: u8,
+    /// Its PDO, as a bit of those received.
+    pdo: u8,
+}
 
 impl<'a> Master<'a> {
     /// A master that has not sent anything yet. The first [`Self::poll`] resets all nodes.
@@ -136,6 +151,9 @@ impl<'a> Master<'a> {
             legs: legs_of(table),
             events: events_of(table),
             torque_limit: core::array::from_fn(|at| torque_limit_of(table, at)),
+            awaited: 0,
+            missing: false,
+            sensed: sensed_of(table),
             settled: false,
             heartbeats_due: 0,
             state: State::Off,
@@ -362,4 +380,27 @@ fn torque_limit_of(table: &DriveTable<'_>, axis: usize) -> i32 {
         .iter()
         .filter_map(|drive| Some(table.nodes.get(usize::from(*drive))?.motor?.torque_limit));
     limits.min().unwrap_or(0).max(0)
+}
+
+/// Where sensors measure coordinates.
+fn sensed_of(table: &DriveTable<'_>) -> [Option<Sensed>; MAX_COORDINATES] {
+    let mut found = [None; MAX_COORDINATES];
+    let mut places = found.iter_mut();
+    for (node, index) in table.nodes.iter().zip(0..) {
+        for (pdo, at) in node.transmit.iter().zip(0..8) {
+            for entry in pdo.entries() {
+                if let Signal::Coordinate(coordinate) = entry.signal
+                    && let Some(place) = places.next()
+                {
+                    *place = Some(Sensed { coordinate, node: index, pdo: 1 << at });
+                }
+            }
+        }
+    }
+    found
+}
+
+/// A bit for a node.
+const fn node_bit(index: usize) -> u16 {
+    1 << (index & 15)
 }

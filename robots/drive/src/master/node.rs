@@ -43,8 +43,6 @@ pub(super) struct NodeState {
     pub(super) operational: bool,
     /// Whether a transmit PDO came since it was started.
     pub(super) reported: bool,
-    /// Whether it was running at the last SYNC.
-    pub(super) synchronised: bool,
     /// Transmit PDOs of this cycle, a bit each.
     pub(super) received: u8,
     /// Cycles in a row in which one was missing.
@@ -53,6 +51,8 @@ pub(super) struct NodeState {
     /// State of a drive by its statusword; nonsense counts as a fault.
     pub(super) drive_state: cia402::State,
     pub(super) mode: i8,
+    /// The mode is that of the table.
+    pub(super) is_in_mode: bool,
     pub(super) error_register: u8,
     /// Fault reset is under way: cycles for which bit 7 may stay set.
     pub(super) reset_cycles: u8,
@@ -82,12 +82,12 @@ impl NodeState {
         heard: 0,
         operational: false,
         reported: false,
-        synchronised: false,
         received: 0,
         missed: 0,
         statusword: 0,
         drive_state: cia402::State::NotReady,
         mode: 0,
+        is_in_mode: false,
         error_register: 0,
         reset_cycles: 0,
         controlword: 0,
@@ -144,7 +144,7 @@ impl NodeState {
                         | cia402::State::SwitchedOn
                         | cia402::State::OperationEnabled
                 );
-                ready && self.is_in_mode(table)
+                ready && self.is_in_mode
             }
             Role::Imu => self.sequence.is_some() && self.stale == 0 && self.health == 0,
             Role::Encoder => self.health == 0,
@@ -153,8 +153,24 @@ impl NodeState {
         heard && sound
     }
 
-    pub(super) fn is_in_mode(&self, table: &NodeTable<'_>) -> bool {
-        table.motor.as_ref().is_none_or(|motor| motor.mode == self.mode)
+    /// Whether it is a drive of which no state of the master has to complain.
+    pub(super) fn is_sound_drive(&self, table: &NodeTable<'_>) -> bool {
+        table.role == Role::Drive
+            && self.drive_state == cia402::State::OperationEnabled
+            && self.error_register & 1 == 0
+            && self.is_in_mode
+    }
+
+    pub(super) fn set_mode(&mut self, mode: i8, table: &NodeTable<'_>) {
+        self.mode = mode;
+        self.is_in_mode = table.motor.as_ref().is_none_or(|motor| motor.mode == mode);
+    }
+
+    /// A node that was just started.
+    pub(super) fn started(now: u64, table: &NodeTable<'_>) -> Self {
+        let mut own = Self { heard: now, ..Self::NEW };
+        own.set_mode(0, table);
+        own
     }
 
     /// What an SDO answer means for the step that was asked.

@@ -151,13 +151,11 @@ impl Master<'_> {
     /// Whether a drive is alive, enabled and in its mode.
     fn obeys(&self, drive: u8) -> bool {
         let index = usize::from(drive);
-        let (Some(node), Some(table)) = (self.nodes.get(index), self.table.nodes.get(index)) else {
-            return false;
-        };
+        let Some(node) = self.nodes.get(index) else { return false };
         node.is_running()
             && node.missed < self.table.timing.missed_fault
             && node.drive_state == cia402::State::OperationEnabled
-            && node.is_in_mode(table)
+            && node.is_in_mode
     }
 
     /// No torque, from the next frame on.
@@ -227,21 +225,19 @@ impl Master<'_> {
         }
     }
 
-    /// What a frame holds, and how much of it. A field that does not fit into eight bytes is left out.
+    /// What a frame holds, and how much of it. What is after the eighth byte is cut off.
     fn content(&self, command: &CommandTable<'_>) -> ([u8; 8], u8) {
-        let (mut bytes, mut used) = ([0; 8], 0_usize);
+        // A word can begin at each byte of the frame. What it writes behind its field is zero.
+        let (mut bytes, mut used) = ([0; 12], 0_usize);
         for field in command.fields {
             let encoded = field.kind.encode_short(self.value(field.source));
-            let Some(rest) = bytes.get_mut(used..) else { break };
-            let own = field.kind.bytes();
-            match own {
-                1 => put::<1>(rest, encoded),
-                2 => put::<2>(rest, encoded),
-                _ => put::<4>(rest, encoded),
-            }
-            used = used.saturating_add(own);
+            let rest = bytes.get_mut(used..).and_then(<[u8]>::first_chunk_mut);
+            let Some(place) = rest else { break };
+            *place = encoded.to_le_bytes();
+            used = used.saturating_add(field.kind.bytes());
         }
-        (bytes, used.min(8) as u8)
+        let [a, b, c, d, e, f, g, h, ..] = bytes;
+        ([a, b, c, d, e, f, g, h], used.min(8) as u8)
     }
 
     fn value(&self, source: Source) -> i32 {
@@ -263,13 +259,6 @@ impl Master<'_> {
                 command as i32
             }
         }
-    }
-}
-
-/// The first bytes of a number, if there is room for them.
-fn put<const BYTES: usize>(rest: &mut [u8], encoded: [u8; 4]) {
-    if let (Some(to), Some(from)) = (rest.first_chunk_mut::<BYTES>(), encoded.first_chunk()) {
-        *to = *from;
     }
 }
 

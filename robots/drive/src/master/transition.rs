@@ -81,8 +81,7 @@ impl Master<'_> {
             let table = self.table.nodes.get(index);
             table.is_none_or(|table| {
                 table.role != Role::Drive
-                    || node.drive_state == crate::cia402::State::OperationEnabled
-                        && node.is_in_mode(table)
+                    || node.drive_state == crate::cia402::State::OperationEnabled && node.is_in_mode
             })
         };
         let legs = self.legs();
