@@ -85,7 +85,7 @@ pub trait Ordered: Real + PartialOrd {
 #[inline]
 fn single(value: i64) -> f32 {
     let low = value as i32;
-    let high = (value.saturating_sub(i64::from(low)) >> 32) as i32;
+    let high = ((value >> 32) as i32).saturating_add(i32::from(low < 0));
     high as f32 * 4_294_967_296.0 + low as f32
 }
 

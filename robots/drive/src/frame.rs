@@ -93,12 +93,6 @@ impl Frame {
         self.remote
     }
 
-    /// The eight bytes that a frame has room for, as two words; what it does not hold is zero.
-    pub(crate) const fn words(&self) -> [u32; 2] {
-        let [a, b, c, d, e, f, g, h] = self.data;
-        [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
-    }
-
     /// The bytes if there are exactly `N` of them and the frame is a data frame.
     #[must_use]
     pub fn exactly<const N: usize>(&self) -> Option<[u8; N]> {

@@ -52,7 +52,7 @@ impl Measurement {
     #[must_use]
     pub fn way<T: Ordered>(&self, coordinate: usize, origin: i64) -> T {
         let unit = self.unit.get(coordinate).copied().unwrap_or(0.0);
-        T::from_i64(self.counts(coordinate).saturating_sub(origin)) * T::from_f32(unit)
+        T::from_i64(self.counts(coordinate).wrapping_sub(origin)) * T::from_f32(unit)
     }
 
     fn set_position(&mut self, coordinate: usize, counts: i64, unit: f32) {
@@ -106,26 +106,23 @@ struct AxisReading {
     fresh: bool,
 }
 
-/// A frame's bytes, from the first.
-struct Rest([u32; 2]);
+/// The next number of a type in a frame's bytes, extended to 32 bits by its sign; `None` after their end.
+#[inline(always)]
+fn next(rest: &mut &[u8], kind: DataType) -> Option<u32> {
+    Some(match kind {
+        DataType::I8 => i8::from_le_bytes(chunk(rest)?) as u32,
+        DataType::I16 => i16::from_le_bytes(chunk(rest)?) as u32,
+        DataType::U8 => u8::from_le_bytes(chunk(rest)?).into(),
+        DataType::U16 => u16::from_le_bytes(chunk(rest)?).into(),
+        DataType::I32 | DataType::U32 => u32::from_le_bytes(chunk(rest)?),
+    })
+}
 
-impl Rest {
-    /// The next number of a type, extended to 32 bits by its sign.
-    #[inline(always)]
-    fn take(&mut self, kind: DataType) -> u32 {
-        let [low, high] = self.0;
-        let bytes = [low >> 8 | high << 24, high >> 8];
-        let shorts = [low >> 16 | high << 16, high >> 16];
-        let (value, rest) = match kind {
-            DataType::I8 => (low as i8 as u32, bytes),
-            DataType::I16 => (low as i16 as u32, shorts),
-            DataType::U8 => (low & 0xFF, bytes),
-            DataType::U16 => (low & 0xFFFF, shorts),
-            DataType::I32 | DataType::U32 => (low, [high, 0]),
-        };
-        self.0 = rest;
-        value
-    }
+#[inline(always)]
+fn chunk<const BYTES: usize>(rest: &mut &[u8]) -> Option<[u8; BYTES]> {
+    let (own, after) = rest.split_first_chunk()?;
+    *rest = after;
+    Some(*own)
 }
 
 impl Master<'_> {
@@ -137,7 +134,8 @@ impl Master<'_> {
         let (Some(pdo), Some(node)) = (table.transmit.get(at), self.nodes.get_mut(index)) else {
             return;
         };
-        if frame.bytes().len() != pdo.bytes() {
+        let bytes = frame.bytes();
+        if bytes.len() != pdo.bytes() {
             self.counters.malformed = self.counters.malformed.saturating_add(1);
             return;
         }
@@ -157,10 +155,10 @@ impl Master<'_> {
         {
             self.awaited &= !node_bit(index);
         }
-        let mut rest = Rest(frame.words());
+        let mut rest = bytes;
         let mut invalid = 0_u8;
         for entry in pdo.entries() {
-            let raw = rest.take(entry.kind);
+            let Some(raw) = next(&mut rest, entry.kind) else { break };
             if !signal(node, table, &mut self.measurement, entry, raw) {
                 invalid = invalid.saturating_add(1);
             }
@@ -214,7 +212,7 @@ impl Master<'_> {
             else {
                 continue;
             };
-            *moved = if known { single(counts.saturating_sub(*last)) * unit } else { 0.0 };
+            *moved = if known { single(counts.wrapping_sub(*last)) * unit } else { 0.0 };
             *last = counts;
             *rate = velocity.unwrap_or(*moved / (seconds * f32::from(cycles.max(1))));
             let Some(coordinate) = axis.coordinate else { continue };

@@ -108,15 +108,15 @@ impl NodeState {
         if other.unit == self.unit {
             Some(way)
         } else {
-            (other.unit == -self.unit).then(|| way.saturating_neg())
+            (other.unit == -self.unit).then(|| way.wrapping_neg())
         }
     }
 
     /// How far apart two drives are since they were enabled, in the coordinate's unit.
     pub(super) fn apart(&self, other: &Self) -> f32 {
-        let [own, others] = [self, other].map(|node| node.travel.saturating_sub(node.origin));
+        let [own, others] = [self, other].map(|node| node.travel.wrapping_sub(node.origin));
         let apart = match self.own_counts(other, others) {
-            Some(others) => single(own.saturating_sub(others)) * self.unit,
+            Some(others) => single(own.wrapping_sub(others)) * self.unit,
             None => single(own) * self.unit - single(others) * other.unit,
         };
         libm::fabsf(apart)
@@ -162,15 +162,15 @@ impl NodeState {
     }
 
     pub(super) fn set_mode(&mut self, mode: i8, table: &NodeTable<'_>) {
+        if mode != self.mode {
+            self.is_in_mode = fits(mode, table);
+        }
         self.mode = mode;
-        self.is_in_mode = table.motor.as_ref().is_none_or(|motor| motor.mode == mode);
     }
 
     /// A node that was just started.
     pub(super) fn started(now: u64, table: &NodeTable<'_>) -> Self {
-        let mut own = Self { heard: now, ..Self::NEW };
-        own.set_mode(0, table);
-        own
+        Self { heard: now, is_in_mode: fits(Self::NEW.mode, table), ..Self::NEW }
     }
 
     /// What an SDO answer means for the step that was asked.
@@ -183,6 +183,11 @@ impl NodeState {
         };
         judge(step, answer)
     }
+}
+
+/// Whether a mode is that of the table.
+fn fits(mode: i8, table: &NodeTable<'_>) -> bool {
+    table.motor.as_ref().is_none_or(|motor| motor.mode == mode)
 }
 
 /// In single precision, by the instruction for 32 bits: exactly rounded for numbers of that size, within

@@ -226,6 +226,7 @@ impl Master<'_> {
     }
 
     /// What a frame holds, and how much of it. What is after the eighth byte is cut off.
+    #[inline(always)]
     fn content(&self, command: &CommandTable<'_>) -> ([u8; 8], u8) {
         // A word can begin at each byte of the frame. What it writes behind its field is zero.
         let (mut bytes, mut used) = ([0; 12], 0_usize);
@@ -236,8 +237,7 @@ impl Master<'_> {
             *place = encoded.to_le_bytes();
             used = used.saturating_add(field.kind.bytes());
         }
-        let [a, b, c, d, e, f, g, h, ..] = bytes;
-        ([a, b, c, d, e, f, g, h], used.min(8) as u8)
+        (bytes.first_chunk().copied().unwrap_or_default(), used.min(8) as u8)
     }
 
     fn value(&self, source: Source) -> i32 {
@@ -286,6 +286,12 @@ fn send(command: &CommandTable<'_>, bytes: [u8; 8], len: u8, out: Send<'_>) {
 /// The next controlword of a drive; a fault is reset on an operator's demand alone.
 fn controlword(node: &mut NodeState, goal: Goal) {
     let state = node.drive_state;
+    if (state, goal) == (cia402::State::OperationEnabled, Goal::Enabled) {
+        // What is nearly always so.
+        node.controlword = cia402::controlword::ENABLE_OPERATION;
+        node.reset_cycles = 0;
+        return;
+    }
     let reset = node.reset_cycles > 0 && goal != Goal::Enabled;
     node.controlword = cia402::step(state, goal, reset);
     node.reset_cycles = if state.is_fault() { node.reset_cycles.saturating_sub(1) } else { 0 };
