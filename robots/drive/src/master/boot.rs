@@ -34,6 +34,9 @@ impl<'a> Master<'a> {
                 if phase == Phase::Running && state.phase != Phase::Running {
                     *state = NodeState::started(now, node);
                     self.heartbeats_due = 0;
+                    if self.expected.get(index).is_some_and(|expected| *expected != 0) {
+                        self.awaited |= node_bit(index);
+                    }
                 }
                 state.phase = phase;
                 settled &= matches!(phase, Phase::Running | Phase::Failed);

@@ -42,6 +42,7 @@ impl Master<'_> {
                 self.awaited |= node_bit(index);
             }
         }
+        self.synchronised = self.awaited;
         self.taken = false;
         self.commanded = false;
         self.event_budget = 1;
@@ -67,13 +68,14 @@ impl Master<'_> {
 
     fn count_missed(&mut self, now: u64) {
         let (warning, limit) = (self.table.timing.missed_warning, self.table.timing.missed_fault);
-        if self.awaited == 0 && !self.missing {
+        let late = self.awaited & self.synchronised;
+        if late == 0 && !self.missing {
             return;
         }
-        self.missing = self.awaited != 0;
+        self.missing = late != 0;
         for index in 0..self.table.nodes.len() {
             let Some(state) = self.nodes.get_mut(index) else { continue };
-            if self.awaited & node_bit(index) == 0 {
+            if late & node_bit(index) == 0 {
                 state.missed = 0;
                 continue;
             }

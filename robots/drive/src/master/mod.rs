@@ -78,6 +78,8 @@ pub struct Master<'a> {
     torque_limit: [i32; MAX_AXES],
     /// Running nodes of which an input of this cycle is missing yet, a bit each.
     awaited: u16,
+    /// Nodes that were running at the last SYNC and send each cycle, a bit each.
+    synchronised: u16,
     /// A node may have missed inputs in the cycle before.
     missing: bool,
     /// Coordinates that sensors measure.
@@ -152,6 +154,7 @@ impl<'a> Master<'a> {
             events: events_of(table),
             torque_limit: core::array::from_fn(|at| torque_limit_of(table, at)),
             awaited: 0,
+            synchronised: 0,
             missing: false,
             sensed: sensed_of(table),
             settled: false,
