@@ -58,6 +58,10 @@ pub trait Ordered: Real + PartialOrd {
     fn from_f32(value: f32) -> Self {
         Self::from_f64(f64::from(value))
     }
+    /// From an integer: correctly rounded up to 2³¹, within one unit in the last place beyond.
+    fn from_i64(value: i64) -> Self {
+        Self::from_f64(value as f64)
+    }
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool {
         self.to_f64().is_finite()
@@ -77,8 +81,21 @@ pub trait Ordered: Real + PartialOrd {
     }
 }
 
+/// By instructions for 32 bits: those for 64 are missing where only singles have hardware.
+#[inline]
+fn single(value: i64) -> f32 {
+    let low = value as i32;
+    let high = ((value >> 32) as i32).saturating_add(i32::from(low < 0));
+    high as f32 * 4_294_967_296.0 + low as f32
+}
+
+#[inline]
+const fn double(value: i64) -> f64 {
+    value as f64
+}
+
 macro_rules! float {
-    ($t:ty, $sincos:path, $sqrt:ident, $exp:ident, $ln:ident, $asin:ident, $acos:ident, $atan:ident, $atan2:ident) => {
+    ($t:ty, $from_i64:ident, $sincos:path, $sqrt:ident, $exp:ident, $ln:ident, $asin:ident, $acos:ident, $atan:ident, $atan2:ident) => {
         impl Real for $t {
             #[inline]
             #[allow(clippy::cast_possible_truncation)]
@@ -132,6 +149,10 @@ macro_rules! float {
                 Self::from(value)
             }
             #[inline]
+            fn from_i64(value: i64) -> Self {
+                $from_i64(value)
+            }
+            #[inline]
             fn is_finite(self) -> bool {
                 <$t>::is_finite(self)
             }
@@ -143,5 +164,30 @@ macro_rules! float {
     };
 }
 
-float!(f64, libm::sincos, sqrt, exp, log, asin, acos, atan, atan2);
-float!(f32, crate::sine::sin_cos, sqrtf, expf, logf, asinf, acosf, atanf, atan2f);
+float!(f64, double, libm::sincos, sqrt, exp, log, asin, acos, atan, atan2);
+float!(f32, single, crate::sine::sin_cos, sqrtf, expf, logf, asinf, acosf, atanf, atan2f);
+
+#[cfg(test)]
+mod tests {
+    use super::{Ordered, single};
+
+    #[test]
+    fn integers_in_single_precision_are_within_a_unit_in_the_last_place() {
+        for value in [0, 1, -1, 16_777_217, -16_777_219, i32::MAX.into(), i32::MIN.into()] {
+            assert_eq!(single(value).to_bits(), (value as f32).to_bits(), "{value}");
+        }
+        for shift in 31..63 {
+            for offset in [-12_345_678_901_i64, -1, 0, 1, 987_654_321] {
+                let value = (1_i64 << shift) + offset;
+                for value in [value, -value] {
+                    let error = f64::from(f32::from_i64(value)) - value as f64;
+                    assert!(
+                        error.abs() <= (value as f64).abs() * f64::from(f32::EPSILON),
+                        "{value}"
+                    );
+                }
+            }
+        }
+        assert!(single(i64::MAX) > 9.2e18 && single(i64::MIN) < -9.2e18);
+    }
+}

@@ -2,7 +2,7 @@
 
 use crate::law::{Deviation, Outer};
 use crate::observer::{MomentumObserver, OffsetObserver, flat_rate};
-use crate::plant::Plant;
+use crate::plant::{Dynamics, Plant};
 use crate::signal::finite;
 use crate::{Command, Compensate, Error, Gains, State, Target};
 use nalgebra::{SMatrix, SVector};
@@ -154,9 +154,11 @@ where
             rate: qsd - target.shape[1],
         };
         let motion = self.robot.motion(&state.q, &state.qd);
-        let momentum: SVector<T, NX> = (motion.mass_matrix * state.qd).fixed_rows::<NX>(0).into();
+        let momentum = SVector::<T, NX>::from_fn(|i, _| {
+            (0..N).fold(T::zero(), |sum, j| sum + motion.mass_matrix[(i, j)] * state.qd[j])
+        });
         let drag = self.robot.dissipative_force(&state.q, &state.qd);
-        let dynamics = (motion, drag);
+        let dynamics = Dynamics { motion: &motion, drag: &drag };
         let gamma = self.plant.gamma(&dynamics, &target.shape[2]);
         let slope = gamma - self.plant.response * target.shape[2];
         let z = flat_rate(&self.plant.response, &qxd, &qsd);
@@ -164,7 +166,7 @@ where
         self.observe(&mut memory, &momentum, &z, &slope);
         let outer = self.outer(&memory, &deviation, target);
         let error = self.errors(&deviation, &outer);
-        let balance = self.balance(&memory, &deviation, &outer, &error, &dynamics.0, target);
+        let balance = self.balance(&memory, &deviation, &outer, &error, &motion, target);
         let wanted = self.servo(&memory, &deviation, &error, &dynamics, target, &balance);
         let force = self.limited(&wanted, &memory.force);
         self.integrate(&mut memory, &error, &wanted, &force);

@@ -4,7 +4,7 @@ use crate::Controller;
 use crate::Target;
 use crate::clamp::{clamp, clamp_all};
 use crate::controller::Memory;
-use crate::linear_algebra::solve_definite;
+use crate::plant::Dynamics;
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Motion, Ordered, Robot};
 
@@ -123,7 +123,7 @@ where
         memory: &Memory<T, N, NX, NS>,
         deviation: &Deviation<T, NX, NS>,
         error: &Errors<T, NX, NS>,
-        (motion, drag): &(Motion<T, N>, SVector<T, N>),
+        dynamics: &Dynamics<'_, T, N>,
         target: &Target<T, N, NX, NS>,
         balance: &SVector<T, N>,
     ) -> SVector<T, N> {
@@ -136,33 +136,27 @@ where
             - error.shape * (rate * rate)
             - deviation.rate * (two * gains.servo_damping * rate)
             - memory.servo_integral * gains.servo_integral;
-        let servoed: SVector<T, N> =
-            SVector::from_fn(|i, _| if i < NX { T::zero() } else { self.plant.servoed[i - NX] });
-        let given: SVector<T, N> =
-            SVector::from_fn(|i, _| if i < NX { T::zero() } else { servoed[i] * wanted[i - NX] });
-        // What moves freely obeys M q̈ = f − C q̇ − G − ∂D/∂q̇ with the servoed accelerations given.
-        let bias = motion.coriolis_vector + motion.gravity - drag;
-        let acting = self.limited(balance, &memory.force);
-        let known = SVector::<T, N>::from_fn(|i, _| {
-            if i < NX { acting[i] + memory.momentum.disturbance[i] } else { T::zero() }
+        let mut acceleration: SVector<T, N> = SVector::from_fn(|i, _| {
+            if i < NX { T::zero() } else { self.plant.servoed[i - NX] * wanted[i - NX] }
         });
-        let free = servoed.map(|s| T::one() - s);
-        let rest = (known - bias - motion.mass_matrix * given).component_mul(&free) + given;
-        let coupled = SMatrix::<T, N, N>::from_fn(|i, j| {
-            let own = if i == j { servoed[i] } else { T::zero() };
-            motion.mass_matrix[(i, j)] * free[i] * free[j] + own
+        let acting = SVector::<T, NX>::from_fn(|i, _| {
+            self.limited_entry(i, balance[i], memory.force[i]) + memory.momentum.disturbance[i]
         });
-        let acceleration = solve_definite(coupled, rest);
-        let force = motion.mass_matrix * acceleration + bias;
-        balance + force.component_mul(&servoed)
+        self.plant.accelerate(dynamics, &acting, &mut acceleration);
+        SVector::from_fn(|i, _| {
+            let servoed = i >= NX && self.plant.servoed[i - NX] > T::zero();
+            if servoed { balance[i] + dynamics.needed(i, &acceleration) } else { balance[i] }
+        })
     }
 
     /// Forces that the actuators can give, and change that fast.
     pub(crate) fn limited(&self, wanted: &SVector<T, N>, last: &SVector<T, N>) -> SVector<T, N> {
-        let slewed = SVector::from_fn(|i, _| {
-            clamp(wanted[i], last[i] - self.force_step[i], last[i] + self.force_step[i])
-        });
-        clamp_all(&slewed, &self.plant.limit)
+        SVector::from_fn(|i, _| self.limited_entry(i, wanted[i], last[i]))
+    }
+
+    fn limited_entry(&self, i: usize, wanted: T, last: T) -> T {
+        let (step, limit) = (self.force_step[i], self.plant.limit[i]);
+        clamp(clamp(wanted, last - step, last + step), -limit, limit)
     }
 
     /// Integrates the errors, but not further into a limit.

@@ -3,37 +3,58 @@
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::Ordered;
 
-/// Solves A x = b for a symmetric positive definite A by its factors L D Lᵀ: always the same work.
-pub(crate) fn solve_definite<T: Ordered, const N: usize>(
-    mut a: SMatrix<T, N, N>,
-    mut b: SVector<T, N>,
-) -> SVector<T, N> {
-    for column in 0..N {
-        let reciprocal = T::one() / a[(column, column)];
-        let known = b[column];
-        let own: SVector<T, N> = a.column(column).into();
-        let factors = own * reciprocal;
-        for row in column + 1..N {
-            b[row] -= factors[row] * known;
+/// Factors L D Lᵀ of a symmetric positive definite matrix.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Factors<T: Ordered, const N: usize> {
+    /// L D below the diagonal, D⁻¹ on it.
+    lower: SMatrix<T, N, N>,
+}
+
+impl<T: Ordered, const N: usize> Factors<T, N> {
+    /// Always the same work.
+    pub(crate) fn of(mut a: SMatrix<T, N, N>) -> Self {
+        for column in 0..N {
+            let reciprocal = T::one() / a[(column, column)];
+            let own: SVector<T, N> = a.column(column).into();
+            let factors = own * reciprocal;
+            // Column by column: of ranges that end with N the compiler sees that no index can panic.
+            for k in column + 1..N {
+                let upper = own[k];
+                for row in k..N {
+                    a[(row, k)] -= factors[row] * upper;
+                }
+            }
+            a[(column, column)] = reciprocal;
         }
-        // Column by column: of ranges that end with N the compiler sees that no index can panic.
-        for k in column + 1..N {
-            let upper = own[k];
-            for row in k..N {
-                a[(row, k)] -= factors[row] * upper;
+        Self { lower: a }
+    }
+
+    /// x of A x = b.
+    pub(crate) fn solve(&self, mut b: SVector<T, N>) -> SVector<T, N> {
+        let a = &self.lower;
+        for column in 0..N {
+            b[column] *= a[(column, column)];
+            for row in column + 1..N {
+                let part = a[(row, column)] * b[column];
+                b[row] -= part;
             }
         }
-        // Column of L D stays below the diagonal, for the way back.
-        b[column] *= reciprocal;
-        a[(column, column)] = reciprocal;
-    }
-    for row in (0..N).rev() {
-        for below in row + 1..N {
-            let part = a[(below, row)] * a[(row, row)] * b[below];
-            b[row] -= part;
+        for row in (0..N).rev() {
+            for below in row + 1..N {
+                let part = a[(below, row)] * a[(row, row)] * b[below];
+                b[row] -= part;
+            }
         }
+        b
     }
-    b
+}
+
+/// Solves A x = b for a symmetric positive definite A: always the same work.
+pub(crate) fn solve_definite<T: Ordered, const N: usize>(
+    a: SMatrix<T, N, N>,
+    b: SVector<T, N>,
+) -> SVector<T, N> {
+    Factors::of(a).solve(b)
 }
 
 /// Solves A x = b for an A near the identity, by elimination without pivots: always the same work.

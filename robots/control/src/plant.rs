@@ -1,7 +1,7 @@
 //! What the law needs of a robot, once: roles, gains at the origin, actuators.
 
 use crate::Error;
-use crate::linear_algebra::{inverse, solve_near_identity};
+use crate::linear_algebra::{Factors, inverse, solve_near_identity};
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Motion, Ordered, Robot};
 
@@ -95,23 +95,54 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Plant<T, N, N
     /// rows of the equations of motion, solved for q̈_x.
     pub(crate) fn gamma(
         &self,
-        (motion, drag): &(Motion<T, N>, SVector<T, N>),
+        dynamics: &Dynamics<'_, T, N>,
         qsdd: &SVector<T, NS>,
     ) -> SVector<T, NX> {
-        // Rows are below N, which the compiler does not know: an index could panic.
-        let entry = |vector: &SVector<T, N>, row: usize| vector.get(row).copied();
-        let bias = |row: usize| {
-            let (coriolis, gravity) = (&motion.coriolis_vector, &motion.gravity);
-            Some(entry(coriolis, row)? + entry(gravity, row)? - entry(drag, row)?)
-        };
-        let mass = |at: (usize, usize)| motion.mass_matrix.get(at).copied().unwrap_or(T::zero());
-        let rows = SMatrix::<T, NX, NX>::from_fn(|i, j| mass((self.free[i], j)));
+        let rows = SMatrix::<T, NX, NX>::from_fn(|i, j| dynamics.mass(self.free[i], j));
         let rest = SVector::<T, NX>::from_fn(|i, _| {
             let row = self.free[i];
-            let bias = bias(row).unwrap_or(T::zero());
-            (0..NS).fold(bias, |sum, j| sum + mass((row, NX + j)) * qsdd[j])
+            let bias = dynamics.bias(row);
+            (0..NS).fold(bias, |sum, j| sum + dynamics.mass(row, NX + j) * qsdd[j])
         });
         solve_near_identity(self.coupling * rows, -(self.coupling * rest))
+    }
+
+    /// Adds the accelerations of what is not servoed to those of what is, under forces on the position
+    /// variables: M q̈ = f − C q̇ − G − ∂D/∂q̇ in the rows of the position variables, A, and of the
+    /// unactuated shape where there is one, D, coupled by B; by the complement D − B A⁻¹ Bᵀ.
+    pub(crate) fn accelerate(
+        &self,
+        dynamics: &Dynamics<'_, T, N>,
+        force: &SVector<T, NX>,
+        acceleration: &mut SVector<T, N>,
+    ) {
+        let missing = |row: usize| -dynamics.needed(row, acceleration);
+        let factors = Factors::of(SMatrix::<T, NX, NX>::from_fn(|i, j| dynamics.mass(i, j)));
+        let position = SVector::<T, NX>::from_fn(|i, _| force[i] + missing(i));
+        let mut found = factors.solve(position);
+        if self.balancing {
+            let shape = SVector::<T, NX>::from_fn(|i, _| missing(self.free[i]));
+            let coupling = SMatrix::<T, NX, NX>::from_fn(|i, j| dynamics.mass(self.free[i], j));
+            // A⁻¹ Bᵀ, column by column.
+            let mut carried = SMatrix::<T, NX, NX>::from_element(T::zero());
+            for i in 0..NX {
+                carried.set_column(i, &factors.solve(coupling.row(i).transpose()));
+            }
+            let complement = SMatrix::<T, NX, NX>::from_fn(|i, j| {
+                let own = dynamics.mass(self.free[i], self.free[j]);
+                (0..NX).fold(own, |sum, k| sum - coupling[(i, k)] * carried[(k, j)])
+            });
+            let lean = Factors::of(complement).solve(shape - coupling * found);
+            found -= carried * lean;
+            for (i, &row) in self.free.iter().enumerate() {
+                if let Some(entry) = acceleration.get_mut(row) {
+                    *entry = lean[i];
+                }
+            }
+        }
+        for i in 0..NX {
+            acceleration[i] = found[i];
+        }
     }
 
     /// Forces per actuator.
@@ -123,6 +154,33 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Plant<T, N, N
             }
         }
         out
+    }
+}
+
+/// The equations of motion at a state.
+pub(crate) struct Dynamics<'a, T: Ordered, const N: usize> {
+    pub(crate) motion: &'a Motion<T, N>,
+    /// Declared dissipation.
+    pub(crate) drag: &'a SVector<T, N>,
+}
+
+// Rows may be computed, and be below N without the compiler knowing: an index could panic.
+impl<T: Ordered, const N: usize> Dynamics<'_, T, N> {
+    /// An entry of M.
+    fn mass(&self, row: usize, column: usize) -> T {
+        self.motion.mass_matrix.get((row, column)).copied().unwrap_or(T::zero())
+    }
+
+    /// A row of C q̇ + G + ∂D/∂q̇.
+    fn bias(&self, row: usize) -> T {
+        let entry = |vector: &SVector<T, N>| vector.get(row).copied().unwrap_or(T::zero());
+        let Motion { coriolis_vector, gravity, .. } = self.motion;
+        entry(coriolis_vector) + entry(gravity) - entry(self.drag)
+    }
+
+    /// A row of M q̈ + C q̇ + G + ∂D/∂q̇.
+    pub(crate) fn needed(&self, row: usize, acceleration: &SVector<T, N>) -> T {
+        (0..N).fold(self.bias(row), |sum, j| sum + self.mass(row, j) * acceleration[j])
     }
 }
 

@@ -25,6 +25,12 @@ impl Frame {
         frame
     }
 
+    /// A data frame of the first `len` bytes, at most eight; the identifier as in [`Self::new`].
+    pub(crate) fn of(id: u16, data: [u8; 8], len: u8) -> Self {
+        let id = StandardId::new(id & 0x7FF).unwrap_or(StandardId::ZERO);
+        Self { id: Id::Standard(id), remote: false, len: len.min(8), data }
+    }
+
     /// A data frame with any identifier, or `None` if there are more than eight bytes.
     #[must_use]
     pub fn checked(id: Id, bytes: &[u8]) -> Option<Self> {

@@ -151,6 +151,54 @@ impl DataType {
         matches!(self, Self::I8 | Self::I16 | Self::I32)
     }
 
+    /// The same for what has 32 bits, as a word with zeros above the type's bits.
+    pub(crate) fn encode_short(self, value: i32) -> u32 {
+        match self {
+            Self::I8 => value.max(i8::MIN.into()).min(i8::MAX.into()) as u32 & 0xFF,
+            Self::I16 => value.max(i16::MIN.into()).min(i16::MAX.into()) as u32 & 0xFFFF,
+            Self::I32 => value as u32,
+            Self::U8 => value.max(0).min(u8::MAX.into()) as u32,
+            Self::U16 => value.max(0).min(u16::MAX.into()) as u32,
+            Self::U32 => value.max(0) as u32,
+        }
+    }
+
+    /// What an extended value is.
+    pub(crate) const fn value(self, extended: u32) -> i64 {
+        match self {
+            Self::U32 => extended as i64,
+            _ => extended as i32 as i64,
+        }
+    }
+
+    /// The same in single precision.
+    pub(crate) const fn single(self, extended: u32) -> f32 {
+        match self {
+            Self::U32 => extended as f32,
+            _ => extended as i32 as f32,
+        }
+    }
+
+    /// The way from one extended value to another, the short one across the type's wrap.
+    pub(crate) const fn way(self, from: u32, to: u32) -> i32 {
+        let way = to.wrapping_sub(from);
+        match self {
+            Self::I8 | Self::U8 => way as i8 as i32,
+            Self::I16 | Self::U16 => way as i16 as i32,
+            Self::I32 | Self::U32 => way as i32,
+        }
+    }
+
+    /// The most negative value of a signed type, extended.
+    pub(crate) const fn lowest(self) -> Option<u32> {
+        match self {
+            Self::I8 => Some(i8::MIN as u32),
+            Self::I16 => Some(i16::MIN as u32),
+            Self::I32 => Some(i32::MIN as u32),
+            Self::U8 | Self::U16 | Self::U32 => None,
+        }
+    }
+
     /// Its object in the dictionary (CiA 301, data types): mapped into a PDO it is a gap, "dummy mapping".
     #[must_use]
     pub const fn dummy(self) -> Object {
@@ -204,6 +252,17 @@ mod tests {
         assert_eq!(DataType::U16.decode(&[0xFE, 0xFF]), 65_534);
         assert_eq!(DataType::I32.decode(&[0, 0, 0, 0x80]), -2_147_483_648);
         assert_eq!(DataType::U8.encode(-1)[0], 0);
+    }
+
+    #[test]
+    fn extended_values_keep_their_sign_and_ways_cross_the_wrap() {
+        assert_eq!(DataType::U32.value(u32::MAX), i64::from(u32::MAX));
+        assert_eq!(DataType::I32.value(u32::MAX), -1);
+        assert_eq!(DataType::U32.single(u32::MAX), 4_294_967_296.0);
+        assert_eq!(DataType::I16.way(32_000, -32_000_i32 as u32), 1536);
+        assert_eq!(DataType::U8.way(3, 250), -9);
+        assert_eq!(DataType::I32.way(i32::MIN as u32, i32::MAX as u32), -1);
+        assert_eq!(DataType::I8.lowest().map(|low| low as i32), Some(-128));
     }
 
     #[test]

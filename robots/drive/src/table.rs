@@ -200,6 +200,7 @@ pub struct Pdo {
     /// Transmission type: 1 to 240 synchronous, 255 event-driven.
     pub transmission: u8,
     len: u8,
+    size: u8,
     entries: [Entry; MAX_ENTRIES],
 }
 
@@ -208,16 +209,17 @@ impl Pdo {
     #[must_use]
     pub const fn new(cob_id: u16, number: u8, transmission: u8, entries: &[Entry]) -> Self {
         let mut own = [Entry::gap(DataType::U8); MAX_ENTRIES];
-        let mut len = 0;
+        let (mut len, mut size) = (0, 0);
         let mut rest = entries;
         while let Some((entry, tail)) = rest.split_first() {
             let Some((_, after)) = own.split_at_mut_checked(len) else { break };
             let Some(place) = after.first_mut() else { break };
             *place = *entry;
+            size += entry.kind.bytes();
             len += 1;
             rest = tail;
         }
-        Self { cob_id, number, transmission, len: len as u8, entries: own }
+        Self { cob_id, number, transmission, len: len as u8, size: size as u8, entries: own }
     }
 
     /// What it holds, from its first byte.
@@ -228,8 +230,8 @@ impl Pdo {
 
     /// Bytes of the frame.
     #[must_use]
-    pub fn bytes(&self) -> usize {
-        self.entries().iter().map(|entry| entry.kind.bytes()).sum()
+    pub const fn bytes(&self) -> usize {
+        self.size as usize
     }
 
     /// Whether it goes with SYNC.

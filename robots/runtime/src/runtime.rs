@@ -8,7 +8,7 @@ use nalgebra::SVector;
 use shapebot_control::{Command, Controller, Gains, State, Target};
 use shapebot_drive::operator::Commanded;
 use shapebot_drive::safety::{Request, State as Safety};
-use shapebot_drive::{DriveTable, Fault, Frame, MAX_AXES, Master, Measurement};
+use shapebot_drive::{DriveTable, Fault, Frame, MAX_AXES, Master};
 use shapebot_dynamics::Robot;
 use shapebot_planner::value::{PlanView, Stored};
 
@@ -169,8 +169,8 @@ where
     pub fn poll(&mut self, now: u64, out: &mut dyn FnMut(usize, Frame)) {
         self.master.poll(now, out);
         if self.master.inputs_due(now) {
-            let measurement = self.master.measure(now);
-            let command = self.cycle(&measurement, now);
+            self.master.measure(now);
+            let command = self.cycle(now);
             self.master.command(&command, now, out);
         }
     }
@@ -214,14 +214,15 @@ where
     }
 
     /// From a measurement to forces.
-    fn cycle(&mut self, measurement: &Measurement, now: u64) -> shapebot_drive::Command {
+    fn cycle(&mut self, now: u64) -> shapebot_drive::Command {
         self.watch_operator(now);
         let safety = self.master.state();
         let stands = safety == Safety::Rising || !safety.permits_torque();
         if safety == Safety::Rising && self.before != Safety::Rising {
-            self.sensing.home(measurement);
+            self.sensing.home(self.master.measurement());
         }
-        let time = measurement.time_us;
+        let measurement = self.master.measurement();
+        let (time, cycle) = (measurement.time_us, measurement.cycle);
         let state = self.sensing.step::<R>(measurement, &self.snapshot.target, !stands);
         if safety != self.before {
             self.enter(safety, &state, time);
@@ -236,15 +237,8 @@ where
         if command.is_some_and(|command| command.fault) {
             self.master.report(Fault::NotFinite, now);
         }
-        self.snapshot = Snapshot {
-            cycle: measurement.cycle,
-            time_us: time,
-            safety,
-            plan_time,
-            state,
-            target,
-            command,
-        };
+        self.snapshot =
+            Snapshot { cycle, time_us: time, safety, plan_time, state, target, command };
         self.follow_up(safety, plan_time, time, now);
         let mut forces = [0.0; MAX_AXES];
         if let Some(command) = command {
@@ -267,14 +261,13 @@ where
             let at = plan.start_time() + elapsed;
             // Torque is held for a period. That it acts a period later is a disturbance to the
             // controller, which makes up for it.
-            let acting = plan.at(at + T::from_f64(0.5) * self.balance.period);
-            let plan = plan.at(at);
-            // A plan's forces are those without friction.
-            let q = R::join(&acting.position[0], &acting.shape[0]);
-            let qd = R::join(&acting.position[1], &acting.shape[1]);
-            let force = acting.force - self.robot.dissipative_force(&q, &qd);
-            let target = Target { position: plan.position, shape: plan.shape, force };
-            return (target, Some(at));
+            let ahead = T::from_f64(0.5) * self.balance.period;
+            let (position, shape) = plan.motion_at(at);
+            // A plan's forces are those without friction, which changes little in half a period.
+            let q = R::join(&position[0], &shape[0]);
+            let qd = R::join(&(position[1] + position[2] * ahead), &(shape[1] + shape[2] * ahead));
+            let force = plan.force_at(at + ahead) - self.robot.dissipative_force(&q, &qd);
+            return (Target { position, shape, force }, Some(at));
         }
         let mut target = self.stand.step(self.robot, &self.balance, &self.settings, time);
         if safety == Safety::Balancing {

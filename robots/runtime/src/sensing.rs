@@ -25,8 +25,8 @@ pub(crate) struct Sensing<T: Ordered, const N: usize, const NX: usize, const NS:
     shape_gain: SMatrix<T, NX, NS>,
     /// y and ẏ.
     estimate: Option<[SVector<T, NX>; 2]>,
-    /// Measured position variables where the model's are zero.
-    origin: [f64; NX],
+    /// Measured position variables where the model's are zero, counts.
+    origin: [i64; NX],
 }
 
 impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Sensing<T, N, NX, NS> {
@@ -40,14 +40,14 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Sensing<T, N,
             response: robot.response(&rest, &rest, &rest).d_qsdd,
             shape_gain: robot.shape_gain(),
             estimate: None,
-            origin: [0.0; NX],
+            origin: [0; NX],
         }
     }
 
     /// Position variables are zero where they were measured now.
     pub(crate) fn home(&mut self, measurement: &Measurement) {
         for (at, origin) in self.origin.iter_mut().enumerate() {
-            *origin = measurement.position(at);
+            *origin = measurement.counts(at);
         }
         self.estimate = None;
     }
@@ -71,11 +71,11 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Sensing<T, N,
             SVector::from_fn(|i, _| T::from_f32(measurement.velocity(NX + i)));
         let late: SVector<T, NS> =
             SVector::from_fn(|i, _| T::from_f32(measurement.age(NX + i).min(CARRIED).into()));
-        let sampled: SVector<T, NS> = SVector::from_fn(|i, _| c(measurement.position(NX + i)));
+        let sampled: SVector<T, NS> = SVector::from_fn(|i, _| measurement.way(NX + i, 0));
         let shape = sampled + rates.component_mul(&late) * self.period;
         let mut position = SVector::<T, NX>::from_element(T::zero());
         for (i, (entry, origin)) in position.iter_mut().zip(&self.origin).enumerate() {
-            *entry = c(measurement.position(i) - origin);
+            *entry = measurement.way(i, *origin);
         }
         let acceleration = if free {
             target.position[2] - self.response * target.shape[2]

@@ -110,6 +110,5 @@ impl<T: Ordered, const NX: usize, const NS: usize> Stand<T, NX, NS> {
 
 /// Microseconds as seconds.
 pub(crate) fn seconds<T: Ordered>(micros: u64) -> T {
-    // 2⁵³ µs are 285 years.
-    T::from_f64(micros as f64 * 1e-6)
+    T::from_i64(micros.min(i64::MAX as u64) as i64) * T::from_f64(1e-6)
 }

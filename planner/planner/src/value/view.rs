@@ -145,99 +145,94 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
         self.header.nodes as usize
     }
 
-    fn scalar(&self, node: usize, index: usize) -> T {
-        let begin = (node * Self::NODE + index) * T::SIZE;
-        self.nodes.get(begin..).map_or_else(T::zero, T::read)
-    }
-
-    fn vector<const D: usize>(&self, node: usize, first: usize) -> SVector<T, D> {
-        SVector::from_fn(|i, _| self.scalar(node, first + i))
-    }
-
     /// The plan at time `t`, seconds since the motion's start. Before the plan and after it the robot
     /// stands as at its ends.
     pub fn at(&self, t: T) -> PlanState<T, NX, NS, F> {
-        let step = self.step;
-        let place = (t - self.start_time()) / step;
+        let place = self.place(t);
+        let (position, shape) = self.motion(&place);
+        PlanState { position, shape, force: self.force(&place) }
+    }
+
+    /// q_x and q_s with their rates and accelerations, [`at`](Self::at) without the forces.
+    pub fn motion_at(&self, t: T) -> ([SVector<T, NX>; 3], [SVector<T, NS>; 3]) {
+        self.motion(&self.place(t))
+    }
+
+    /// The forces of [`at`](Self::at) alone.
+    pub fn force_at(&self, t: T) -> SVector<T, F> {
+        self.force(&self.place(t))
+    }
+
+    #[inline]
+    fn place(&self, t: T) -> Place<'a, T> {
+        let place = (t - self.start) / self.step;
         let last = self.nodes() - 1;
         if !exceeds(place, T::zero()) {
-            return self.resting(0, t == self.start_time());
+            let moving = t == self.start;
+            return Place::Resting { node: self.node(0), moving };
         }
         if place >= T::from_index(last) {
-            return self.resting(last, t <= self.end_time());
+            return Place::Resting { node: self.node(last), moving: t <= self.end };
         }
         let node = place.to_index().min(last - 1);
         let sigma = place - T::from_index(node);
-        let force = 3 * (NX + NS);
-        PlanState {
-            position: self.quintic(node, 0, sigma, step),
-            shape: self.quintic(node, 3 * NX, sigma, step),
-            force: self.cubic(node, force, sigma, step),
+        Place::Between { before: self.node(node), after: self.node(node + 1), sigma }
+    }
+
+    /// The bytes of a node.
+    #[inline]
+    fn node(&self, node: usize) -> &'a [u8] {
+        let size = Self::NODE * T::SIZE;
+        self.nodes.get(node * size..).unwrap_or(&[])
+    }
+
+    /// The node with nothing after it, so that the compiler knows its length; the file is as long as its
+    /// header says.
+    #[inline]
+    fn exactly<'b>(node: &'b [u8]) -> Option<&'b [u8]> {
+        node.get(..Self::NODE * T::SIZE)
+    }
+
+    #[inline]
+    fn motion(&self, place: &Place<'_, T>) -> ([SVector<T, NX>; 3], [SVector<T, NS>; 3]) {
+        let mut position = [SVector::from_element(T::zero()); 3];
+        let mut shape = [SVector::from_element(T::zero()); 3];
+        match *place {
+            Place::Resting { node, moving } => {
+                if let Some(node) = Self::exactly(node) {
+                    let keep = if moving { T::one() } else { T::zero() };
+                    resting(node, 0, keep, &mut position);
+                    resting(node, 3 * NX, keep, &mut shape);
+                }
+            }
+            Place::Between { before, after, sigma } => {
+                if let (Some(before), Some(after)) = (Self::exactly(before), Self::exactly(after)) {
+                    let at = [sigma, self.step];
+                    quintic([before, after], 0, at, &mut position);
+                    quintic([before, after], 3 * NX, at, &mut shape);
+                }
+            }
         }
+        (position, shape)
     }
 
-    /// A node; outside of the plan with rates and accelerations zero.
-    fn resting(&self, node: usize, moving: bool) -> PlanState<T, NX, NS, F> {
-        let keep = if moving { T::one() } else { T::zero() };
-        PlanState {
-            position: [
-                self.vector(node, 0),
-                self.vector(node, NX) * keep,
-                self.vector(node, 2 * NX) * keep,
-            ],
-            shape: [
-                self.vector(node, 3 * NX),
-                self.vector(node, 3 * NX + NS) * keep,
-                self.vector(node, 3 * NX + 2 * NS) * keep,
-            ],
-            force: self.vector(node, 3 * (NX + NS)),
+    #[inline]
+    fn force(&self, place: &Place<'_, T>) -> SVector<T, F> {
+        let first = 3 * (NX + NS);
+        match *place {
+            Place::Resting { node, .. } => Self::exactly(node)
+                .map_or(SVector::from_element(T::zero()), |node| {
+                    SVector::from_fn(|i, _| scalar(node, first + i))
+                }),
+            Place::Between { before, after, sigma } => {
+                match (Self::exactly(before), Self::exactly(after)) {
+                    (Some(before), Some(after)) => {
+                        cubic([before, after], first, [sigma, self.step])
+                    }
+                    _ => SVector::from_element(T::zero()),
+                }
+            }
         }
-    }
-
-    /// Quintic through value, rate and acceleration of two nodes.
-    fn quintic<const D: usize>(
-        &self,
-        node: usize,
-        first: usize,
-        sigma: T,
-        step: T,
-    ) -> [SVector<T, D>; 3] {
-        let number = T::from_f64;
-        let end = |node: usize| {
-            let [value, rate, second]: [SVector<T, D>; 3] =
-                core::array::from_fn(|r| self.vector(node, first + r * D));
-            [value, rate * step, second * (step * step)]
-        };
-        let ([a, da, dda], [b, db, ddb]) = (end(node), end(node + 1));
-        let half = number(0.5);
-        // What value, rate and acceleration miss at the far end.
-        let value = b - a - da - dda * half;
-        let rate = db - da - dda;
-        let second = ddb - dda;
-        let c3 = value * number(10.0) - rate * number(4.0) + second * half;
-        let c4 = value * number(-15.0) + rate * number(7.0) - second;
-        let c5 = value * number(6.0) - rate * number(3.0) + second * half;
-        let s = sigma;
-        [
-            a + (da + (dda * half + (c3 + (c4 + c5 * s) * s) * s) * s) * s,
-            (da + (dda + (c3 * number(3.0) + (c4 * number(4.0) + c5 * (number(5.0) * s)) * s) * s)
-                * s)
-                / step,
-            (dda + (c3 * number(6.0) + (c4 * number(12.0) + c5 * (number(20.0) * s)) * s) * s)
-                / (step * step),
-        ]
-    }
-
-    /// Cubic through value and rate of two nodes.
-    fn cubic<const D: usize>(&self, node: usize, first: usize, sigma: T, step: T) -> SVector<T, D> {
-        let (two, three) = (T::from_f64(2.0), T::from_f64(3.0));
-        let end =
-            |node: usize| (self.vector::<D>(node, first), self.vector::<D>(node, first + D) * step);
-        let ((a, da), (b, db)) = (end(node), end(node + 1));
-        let way = b - a;
-        let c2 = way * three - da * two - db;
-        let c3 = da + db - way * two;
-        a + (da + (c2 + c3 * sigma) * sigma) * sigma
     }
 
     /// The largest deviation from rows of the plan that the file was written from, and their forces.
@@ -271,6 +266,83 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
         }
         deviation
     }
+}
+
+/// Where a time falls: bytes that begin with a node.
+#[derive(Clone, Copy)]
+enum Place<'a, T> {
+    /// At an end, or outside, where rates and accelerations are zero.
+    Resting { node: &'a [u8], moving: bool },
+    /// A share of the way from one node to the next.
+    Between { before: &'a [u8], after: &'a [u8], sigma: T },
+}
+
+#[inline(always)]
+fn scalar<T: Stored>(node: &[u8], index: usize) -> T {
+    node.get(index * T::SIZE..).map_or_else(T::zero, T::read)
+}
+
+/// A node's value, rate and acceleration.
+#[inline(always)]
+fn resting<T: Stored, const D: usize>(
+    node: &[u8],
+    first: usize,
+    keep: T,
+    to: &mut [SVector<T, D>; 3],
+) {
+    for i in 0..D {
+        to[0][i] = scalar(node, first + i);
+        to[1][i] = scalar::<T>(node, first + D + i) * keep;
+        to[2][i] = scalar::<T>(node, first + 2 * D + i) * keep;
+    }
+}
+
+/// Quintic through value, rate and acceleration of two nodes.
+#[inline(always)]
+fn quintic<T: Stored, const D: usize>(
+    nodes: [&[u8]; 2],
+    first: usize,
+    [s, step]: [T; 2],
+    to: &mut [SVector<T, D>; 3],
+) {
+    let c = T::from_f64;
+    let (half, square) = (c(0.5), step * step);
+    for i in 0..D {
+        // One coordinate after the other, which is what registers have room for.
+        let [[a, da, dda], [b, db, ddb]] = nodes.map(|node| {
+            let [value, rate, second] = [0, 1, 2].map(|r| scalar::<T>(node, first + r * D + i));
+            [value, rate * step, second * square]
+        });
+        // What value, rate and acceleration miss at the far end.
+        let value = b - a - da - dda * half;
+        let rate = db - da - dda;
+        let second = ddb - dda;
+        let c3 = value * c(10.0) - rate * c(4.0) + second * half;
+        let c4 = value * c(-15.0) + rate * c(7.0) - second;
+        let c5 = value * c(6.0) - rate * c(3.0) + second * half;
+        to[0][i] = a + (da + (dda * half + (c3 + (c4 + c5 * s) * s) * s) * s) * s;
+        to[1][i] =
+            (da + (dda + (c3 * c(3.0) + (c4 * c(4.0) + c5 * (c(5.0) * s)) * s) * s) * s) / step;
+        to[2][i] = (dda + (c3 * c(6.0) + (c4 * c(12.0) + c5 * (c(20.0) * s)) * s) * s) / square;
+    }
+}
+
+/// Cubic through value and rate of two nodes.
+#[inline(always)]
+fn cubic<T: Stored, const D: usize>(
+    nodes: [&[u8]; 2],
+    first: usize,
+    [s, step]: [T; 2],
+) -> SVector<T, D> {
+    let (two, three) = (T::from_f64(2.0), T::from_f64(3.0));
+    SVector::from_fn(|i, _| {
+        let [(a, da), (b, db)] = nodes
+            .map(|node| (scalar::<T>(node, first + i), scalar::<T>(node, first + D + i) * step));
+        let way = b - a;
+        let c2 = way * three - da * two - db;
+        let c3 = da + db - way * two;
+        a + (da + (c2 + c3 * s) * s) * s
+    })
 }
 
 /// From one scalar to another.

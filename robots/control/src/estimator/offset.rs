@@ -3,7 +3,7 @@
 use super::Settings;
 use super::rate::FlatFilter;
 use crate::observer::{OffsetObserver, flat_rate};
-use crate::plant::Plant;
+use crate::plant::{Dynamics, Plant};
 use crate::{Error, State};
 use nalgebra::SVector;
 use shapebot_dynamics::{Ordered, Robot};
@@ -46,8 +46,9 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> LeanOffset<T,
         let (mut qxd, qsd) = R::split(&state.qd);
         let (_, qsdd) = R::split(expected);
         let response = &self.plant.response;
-        let dynamics =
-            (robot.motion(&state.q, &state.qd), robot.dissipative_force(&state.q, &state.qd));
+        let motion = robot.motion(&state.q, &state.qd);
+        let drag = robot.dissipative_force(&state.q, &state.qd);
+        let dynamics = Dynamics { motion: &motion, drag: &drag };
         let slope = self.plant.gamma(&dynamics, &qsdd) - response * qsdd;
         if self.plant.balancing {
             let found = self.observer.map_or(slope, |observer| slope + observer.offset);

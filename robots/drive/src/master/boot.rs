@@ -1,7 +1,7 @@
 //! Boot: NMT, boot-up messages, SDO set-up, heartbeats.
 
 use super::node::{NodeState, Phase, Verdict, request};
-use super::{Master, Send};
+use super::{Master, Send, node_bit};
 use crate::fault::Fault;
 use crate::frame::Frame;
 use crate::id;
@@ -21,21 +21,31 @@ mod nmt {
 impl<'a> Master<'a> {
     /// One step of each node's set-up at most.
     pub(super) fn boot(&mut self, now: u64, out: Send<'_>) {
+        if self.settled {
+            return;
+        }
         let table = self.table;
+        let mut settled = true;
         for (index, node) in table.nodes.iter().enumerate() {
             let waits = |state: &&NodeState| !matches!(state.phase, Phase::Running | Phase::Failed);
             let Some(state) = self.nodes.get(index).filter(waits).copied() else { continue };
             let (phase, fault) = self.boot_step(node, &state, now, out);
             if let Some(state) = self.nodes.get_mut(index) {
                 if phase == Phase::Running && state.phase != Phase::Running {
-                    *state = NodeState { heard: now, ..NodeState::NEW };
+                    *state = NodeState::started(now, node);
+                    self.heartbeats_due = 0;
+                    if self.expected.get(index).is_some_and(|expected| *expected != 0) {
+                        self.awaited |= node_bit(index);
+                    }
                 }
                 state.phase = phase;
+                settled &= matches!(phase, Phase::Running | Phase::Failed);
             }
             if let Some((fault, detail)) = fault {
                 self.raise(fault, Some(index), now, detail);
             }
         }
+        self.settled = settled;
     }
 
     fn boot_step(
@@ -118,6 +128,7 @@ impl<'a> Master<'a> {
             (nmt::BOOT_UP, Phase::Next(_) | Phase::Asked { .. }) => state.phase = Phase::Next(0),
             (nmt::BOOT_UP, Phase::Running) => {
                 state.phase = Phase::Failed;
+                self.awaited &= !node_bit(index);
                 self.raise(Fault::Reboot, Some(index), now, 0);
             }
             (nmt::OPERATIONAL, Phase::Running) => {
@@ -127,6 +138,7 @@ impl<'a> Master<'a> {
             // The heartbeat of before the start command may still be on its way.
             (other, Phase::Running) if state.operational => {
                 state.phase = Phase::Failed;
+                self.awaited &= !node_bit(index);
                 self.raise(Fault::NotOperational, Some(index), now, other.into());
             }
             _ => {}
@@ -136,14 +148,8 @@ impl<'a> Master<'a> {
     /// Heartbeats that stopped; the master's own.
     pub(super) fn heartbeats(&mut self, now: u64, out: Send<'_>) {
         let table = self.table;
-        for (index, node) in table.nodes.iter().enumerate() {
-            let Some(state) = self.nodes.get_mut(index) else { continue };
-            let silent = now.saturating_sub(state.heard);
-            if state.is_running() && silent > node.heartbeat_timeout_us.into() {
-                // Once, until it is heard or set up again.
-                state.phase = Phase::Failed;
-                self.raise(Fault::Heartbeat, Some(index), now, silent.min(u32::MAX.into()) as u32);
-            }
+        if now > self.heartbeats_due {
+            self.check_heartbeats(now);
         }
         if now >= self.next_heartbeat {
             let period = u64::from(table.timing.heartbeat_us).max(1);
@@ -155,8 +161,30 @@ impl<'a> Master<'a> {
         }
     }
 
+    /// Nodes that were silent for too long; and until when none can be.
+    fn check_heartbeats(&mut self, now: u64) {
+        let mut due = u64::MAX;
+        for (index, node) in self.table.nodes.iter().enumerate() {
+            let Some(state) = self.nodes.get_mut(index).filter(|state| state.is_running()) else {
+                continue;
+            };
+            let until = state.heard.saturating_add(node.heartbeat_timeout_us.into());
+            if now > until {
+                // Once, until it is heard or set up again.
+                let silent = now.saturating_sub(state.heard);
+                state.phase = Phase::Failed;
+                self.awaited &= !node_bit(index);
+                self.raise(Fault::Heartbeat, Some(index), now, silent.min(u32::MAX.into()) as u32);
+            } else {
+                due = due.min(until);
+            }
+        }
+        self.heartbeats_due = due;
+    }
+
     /// Resets nodes that are not running, and the faults of drives that are.
     pub(super) fn begin_reset(&mut self) {
+        self.settled = false;
         for state in &mut self.nodes {
             if state.is_running() {
                 state.reset_cycles = RESET_CYCLES;

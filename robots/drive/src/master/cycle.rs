@@ -1,7 +1,7 @@
 //! The cycle: SYNC, and what was missing since the last.
 
 use super::node::NodeState;
-use super::{Master, Send};
+use super::{Master, Send, node_bit};
 use crate::cia402;
 use crate::fault::Fault;
 use crate::frame::Frame;
@@ -34,10 +34,15 @@ impl Master<'_> {
             self.counters.skipped = self.counters.skipped.saturating_add(skipped);
             self.next_sync = now.saturating_add(period);
         }
-        for node in &mut self.nodes {
+        self.awaited = 0;
+        let nodes = self.nodes.iter_mut().take(self.table.nodes.len());
+        for (index, (node, expected)) in nodes.zip(&self.expected).enumerate() {
             node.received = 0;
-            node.synchronised = node.is_running();
+            if node.is_running() && *expected != 0 {
+                self.awaited |= node_bit(index);
+            }
         }
+        self.synchronised = self.awaited;
         self.taken = false;
         self.commanded = false;
         self.event_budget = 1;
@@ -63,14 +68,14 @@ impl Master<'_> {
 
     fn count_missed(&mut self, now: u64) {
         let (warning, limit) = (self.table.timing.missed_warning, self.table.timing.missed_fault);
+        let late = self.awaited & self.synchronised;
+        if late == 0 && !self.missing {
+            return;
+        }
+        self.missing = late != 0;
         for index in 0..self.table.nodes.len() {
-            let (Some(state), Some(&expected)) =
-                (self.nodes.get_mut(index), self.expected.get(index))
-            else {
-                continue;
-            };
-            let waited_for = state.is_running() && state.synchronised;
-            if !waited_for || state.received & expected == expected {
+            let Some(state) = self.nodes.get_mut(index) else { continue };
+            if late & node_bit(index) == 0 {
                 state.missed = 0;
                 continue;
             }
@@ -95,7 +100,11 @@ impl Master<'_> {
             let Some(node) = self.nodes.get(index).filter(|node| node.is_running()) else {
                 continue;
             };
-            for (fault, detail) in self.complaints(table, node).into_iter().flatten() {
+            if node.is_sound_drive(table) {
+                continue;
+            }
+            let [first, second] = self.complaints(table, node);
+            for (fault, detail) in first.into_iter().chain(second) {
                 self.raise(fault, Some(index), now, detail);
             }
         }
@@ -107,7 +116,7 @@ impl Master<'_> {
     fn complaints(&self, table: &NodeTable<'_>, node: &NodeState) -> [Option<(Fault, u32)>; 2] {
         match table.role {
             Role::Drive if node.received != 0 => {
-                let state = node.drive_state();
+                let state = node.drive_state;
                 let word = u32::from(node.statusword);
                 let enabled = state == cia402::State::OperationEnabled;
                 let power = if state.is_fault() || node.error_register & 1 != 0 {
@@ -116,7 +125,7 @@ impl Master<'_> {
                     (self.state.permits_torque() && !enabled).then_some((Fault::NotEnabled, word))
                 };
                 let mode = node.mode as u8 as u32;
-                [power, (!node.is_in_mode(table)).then_some((Fault::WrongMode, mode))]
+                [power, (!node.is_in_mode).then_some((Fault::WrongMode, mode))]
             }
             Role::Drive => [None; 2],
             Role::Imu | Role::Encoder => {
@@ -140,15 +149,14 @@ impl Master<'_> {
             return;
         }
         for axis in self.table.axes {
-            let mut moved = axis.drives.iter().filter_map(|drive| {
-                let node = self.nodes.get(usize::from(*drive))?;
-                Some((*drive, node.moved()))
-            });
-            let Some((_, first)) = moved.next() else { continue };
-            let tolerance = axis.pair_tolerance;
-            let apart = |(_, other): &(u8, f32)| libm::fabsf(other - first) > tolerance;
-            if let Some((drive, _)) = moved.find(apart) {
-                self.raise(Fault::PairDisagrees, Some(drive.into()), now, 0);
+            let Some((lead, others)) = axis.drives.split_first() else { continue };
+            let Some(lead) = self.nodes.get(usize::from(*lead)) else { continue };
+            let apart = |drive: &&u8| {
+                let node = self.nodes.get(usize::from(**drive));
+                node.is_some_and(|node| lead.apart(node) > axis.pair_tolerance)
+            };
+            if let Some(drive) = others.iter().find(apart) {
+                self.raise(Fault::PairDisagrees, Some(usize::from(*drive)), now, 0);
             }
         }
     }
@@ -159,7 +167,7 @@ impl Master<'_> {
         }
         let limit = self.table.safety.lean_limit;
         for lean in self.table.safety.lean {
-            let value = self.measurement.position(usize::from(*lean)) as f32;
+            let value: f32 = self.measurement.way(usize::from(*lean), 0);
             if libm::fabsf(value) > limit {
                 self.raise(Fault::Lean, None, now, (*lean).into());
             }

@@ -15,18 +15,16 @@ use crate::jitter::Jitter;
 use crate::legs::LegsState;
 use crate::safety::{Request, State};
 use crate::table::{
-    DriveTable, MAX_AXES, MAX_COMMANDS, MAX_COORDINATES, MAX_ENTRIES, MAX_NODES, Pdo,
+    DriveTable, MAX_AXES, MAX_COMMANDS, MAX_COORDINATES, MAX_ENTRIES, MAX_NODES, Pdo, Role, Signal,
 };
 use crate::yaw::{HeadingHold, Rotation};
 pub use inputs::Measurement;
+use lookup::Inputs;
 use node::NodeState;
 pub use outputs::Command;
 
 /// Where frames go: index of the bus, frame.
 pub(crate) type Send<'s> = &'s mut dyn FnMut(usize, Frame);
-
-/// Transmit PDOs of all nodes.
-const MAX_INPUTS: usize = 4 * MAX_NODES;
 
 /// What happened on the buses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,9 +68,26 @@ pub struct Master<'a> {
     nodes: [NodeState; MAX_NODES],
     /// PDOs of each node that come each cycle, a bit each.
     expected: [u8; MAX_NODES],
-    /// Identifier with the bus above it, node and PDO of each input, sorted.
-    lookup: [(u16, u8, u8); MAX_INPUTS],
-    lookup_len: usize,
+    /// Whose inputs are whose.
+    inputs: Inputs,
+    /// Index of the legs.
+    legs: Option<u8>,
+    /// Commands that are sent when their content changes, a bit each.
+    events: u32,
+    /// Smallest torque limit of each axis' drives, counts.
+    torque_limit: [i32; MAX_AXES],
+    /// Running nodes of which an input of this cycle is missing yet, a bit each.
+    awaited: u16,
+    /// Nodes that were running at the last SYNC and send each cycle, a bit each.
+    synchronised: u16,
+    /// A node may have missed inputs in the cycle before.
+    missing: bool,
+    /// Coordinates that sensors measure.
+    sensed: [Option<Sensed>; MAX_COORDINATES],
+    /// No node is being set up.
+    settled: bool,
+    /// Until then no running node can have been silent for too long, µs.
+    heartbeats_due: u64,
     state: State,
     entered: u64,
     faults: Faults,
@@ -94,7 +109,8 @@ pub struct Master<'a> {
     silent: u8,
     measurement: Measurement,
     rotation: Rotation,
-    axis_position: [f64; MAX_AXES],
+    /// Mean travel of each axis' drives, counts.
+    axis_counts: [i64; MAX_AXES],
     heading: Option<HeadingHold>,
     target: f32,
     /// Forces of the axes as applied, in the drive unit's frame, N·m or N.
@@ -106,31 +122,25 @@ pub struct Master<'a> {
     event_budget: u8,
     /// Axes whose position came at least once, a bit each.
     axis_known: u8,
-    /// Positions in the drive unit's plane, integrated in the body's frame.
-    plane: [f64; 2],
+    /// Positions in the drive unit's plane, integrated in the body's frame, in small parts.
+    plane: [i64; 2],
 }
 
-const _: () = assert!(MAX_ENTRIES == 8 && MAX_COORDINATES <= 16);
+const _: () = assert!(MAX_ENTRIES == 8 && MAX_COORDINATES <= 16 && MAX_NODES <= 16);
+
+/// A coordinate that a sensor measures.
+#[derive(Clone, Copy, Debug)]
+struct Sensed {
+    coordinate: u8,
+    node: u8,
+    /// Its PDO, as a bit of those received.
+    pdo: u8,
+}
 
 impl<'a> Master<'a> {
     /// A master that has not sent anything yet. The first [`Self::poll`] resets all nodes.
     #[must_use]
     pub fn new(table: &'a DriveTable<'a>) -> Self {
-        let mut lookup = [(u16::MAX, 0, 0); MAX_INPUTS];
-        let inputs = table.nodes.iter().take(MAX_NODES).zip(0..).flat_map(|(node, index)| {
-            node.transmit
-                .iter()
-                .zip(0..)
-                .map(move |(pdo, at)| (key(node.bus, pdo.cob_id), index, at))
-        });
-        let mut lookup_len = 0;
-        for (place, input) in lookup.iter_mut().zip(inputs) {
-            *place = input;
-            lookup_len += 1;
-        }
-        if let Some(used) = lookup.get_mut(..lookup_len) {
-            sort(used);
-        }
         let mut expected = [0; MAX_NODES];
         for (mask, node) in expected.iter_mut().zip(table.nodes) {
             *mask = synchronous(node.transmit);
@@ -139,8 +149,16 @@ impl<'a> Master<'a> {
             table,
             nodes: [NodeState::NEW; MAX_NODES],
             expected,
-            lookup,
-            lookup_len,
+            inputs: Inputs::of(table),
+            legs: legs_of(table),
+            events: events_of(table),
+            torque_limit: core::array::from_fn(|at| torque_limit_of(table, at)),
+            awaited: 0,
+            synchronised: 0,
+            missing: false,
+            sensed: sensed_of(table),
+            settled: false,
+            heartbeats_due: 0,
             state: State::Off,
             entered: 0,
             faults: Faults::default(),
@@ -159,7 +177,7 @@ impl<'a> Master<'a> {
             silent: 0,
             measurement: Measurement::default(),
             rotation: Rotation::IDENTITY,
-            axis_position: [0.0; MAX_AXES],
+            axis_counts: [0; MAX_AXES],
             heading: None,
             target: 0.0,
             applied: [0.0; MAX_AXES],
@@ -167,7 +185,7 @@ impl<'a> Master<'a> {
             sent: [None; MAX_COMMANDS],
             event_budget: 1,
             axis_known: 0,
-            plane: [0.0; 2],
+            plane: [0; 2],
         }
     }
 
@@ -188,6 +206,10 @@ impl<'a> Master<'a> {
             self.counters.malformed = self.counters.malformed.saturating_add(1);
             return;
         };
+        if let Some((index, pdo)) = self.inputs.find(bus, id) {
+            self.input(index, pdo, frame, now);
+            return;
+        }
         let node = |id| self.node_index(bus, id);
         match Function::of(id) {
             Function::SdoResponse(id) if let Some(index) = node(id) => {
@@ -199,14 +221,9 @@ impl<'a> Master<'a> {
             Function::Emergency(id) if let Some(index) = node(id) => {
                 self.emergency(index, frame, now)
             }
-            _ => match self.find_input(bus, id) {
-                Some((index, pdo)) => self.input(index, pdo, frame, now),
-                None if self.is_operators(bus, id) => {}
-                None if self.is_ours(bus, id) => {
-                    self.raise(Fault::ForeignMaster, None, now, id.into())
-                }
-                None => self.counters.unknown = self.counters.unknown.saturating_add(1),
-            },
+            _ if self.is_operators(bus, id) => {}
+            _ if self.is_ours(bus, id) => self.raise(Fault::ForeignMaster, None, now, id.into()),
+            _ => self.counters.unknown = self.counters.unknown.saturating_add(1),
         }
     }
 
@@ -338,7 +355,7 @@ impl<'a> Master<'a> {
     /// State of the legs; `None` while unknown, and for a robot without.
     #[must_use]
     pub fn legs(&self) -> Option<LegsState> {
-        self.legs_node().and_then(|index| self.nodes.get(index)?.legs)
+        self.legs.and_then(|index| self.nodes.get(usize::from(index))?.legs)
     }
 
     /// Whether a node is set up and alive.
@@ -348,27 +365,48 @@ impl<'a> Master<'a> {
     }
 }
 
-/// Insertion sort: nothing in it can panic.
-fn sort(inputs: &mut [(u16, u8, u8)]) {
-    for end in 1..=inputs.len() {
-        let mut at = end;
-        while at > 1 {
-            let Some([before, after]) = inputs.get_mut(at.saturating_sub(2)..at) else { break };
-            if before <= after {
-                break;
-            }
-            core::mem::swap(before, after);
-            at = at.saturating_sub(1);
-        }
-    }
-}
-
-const fn key(bus: u8, cob_id: u16) -> u16 {
-    (bus as u16) << 11 | (cob_id & 0x7FF)
-}
-
 /// The PDOs that come each cycle, a bit each.
 fn synchronous(pdos: &[Pdo]) -> u8 {
     let bits = pdos.iter().zip(0..8).filter(|(pdo, _)| pdo.transmission == 1);
     bits.fold(0, |mask, (_, bit)| mask | 1 << bit)
+}
+
+fn legs_of(table: &DriveTable<'_>) -> Option<u8> {
+    (0..).zip(table.nodes).find(|(_, node)| node.role == Role::Legs).map(|(index, _)| index)
+}
+
+fn events_of(table: &DriveTable<'_>) -> u32 {
+    let events = table.commands.iter().zip(0..32).filter(|(command, _)| !command.cyclic);
+    events.fold(0, |mask, (_, bit)| mask | 1 << bit)
+}
+
+fn torque_limit_of(table: &DriveTable<'_>, axis: usize) -> i32 {
+    let drives = table.axes.get(axis).map_or(&[][..], |axis| axis.drives);
+    let limits = drives
+        .iter()
+        .filter_map(|drive| Some(table.nodes.get(usize::from(*drive))?.motor?.torque_limit));
+    limits.min().unwrap_or(0).max(0)
+}
+
+/// Where sensors measure coordinates.
+fn sensed_of(table: &DriveTable<'_>) -> [Option<Sensed>; MAX_COORDINATES] {
+    let mut found = [None; MAX_COORDINATES];
+    let mut places = found.iter_mut();
+    for (node, index) in table.nodes.iter().zip(0..) {
+        for (pdo, at) in node.transmit.iter().zip(0..8) {
+            for entry in pdo.entries() {
+                if let Signal::Coordinate(coordinate) = entry.signal
+                    && let Some(place) = places.next()
+                {
+                    *place = Some(Sensed { coordinate, node: index, pdo: 1 << at });
+                }
+            }
+        }
+    }
+    found
+}
+
+/// A bit for a node.
+const fn node_bit(index: usize) -> u16 {
+    1 << (index & 15)
 }

@@ -43,20 +43,22 @@ pub(super) struct NodeState {
     pub(super) operational: bool,
     /// Whether a transmit PDO came since it was started.
     pub(super) reported: bool,
-    /// Whether it was running at the last SYNC.
-    pub(super) synchronised: bool,
     /// Transmit PDOs of this cycle, a bit each.
     pub(super) received: u8,
     /// Cycles in a row in which one was missing.
     pub(super) missed: u8,
     pub(super) statusword: u16,
+    /// State of a drive by its statusword; nonsense counts as a fault.
+    pub(super) drive_state: cia402::State,
     pub(super) mode: i8,
+    /// The mode is that of the table.
+    pub(super) is_in_mode: bool,
     pub(super) error_register: u8,
     /// Fault reset is under way: cycles for which bit 7 may stay set.
     pub(super) reset_cycles: u8,
     pub(super) controlword: u16,
-    /// Position object, as it came.
-    pub(super) counts: Option<i64>,
+    /// Position object as it came, extended to 32 bits.
+    pub(super) counts: Option<u32>,
     /// What the object went, counts, across its wraps.
     pub(super) travel: i64,
     /// The same when drives were enabled.
@@ -80,11 +82,12 @@ impl NodeState {
         heard: 0,
         operational: false,
         reported: false,
-        synchronised: false,
         received: 0,
         missed: 0,
         statusword: 0,
+        drive_state: cia402::State::NotReady,
         mode: 0,
+        is_in_mode: false,
         error_register: 0,
         reset_cycles: 0,
         controlword: 0,
@@ -100,23 +103,34 @@ impl NodeState {
         legs: None,
     };
 
-    /// Position, in the coordinate's unit.
-    pub(super) fn position(&self) -> f64 {
-        self.travel as f64 * f64::from(self.unit)
+    /// A way of another drive in this one's counts; `None` unless they are of one size.
+    pub(super) fn own_counts(&self, other: &Self, way: i64) -> Option<i64> {
+        if other.unit == self.unit {
+            Some(way)
+        } else {
+            (other.unit == -self.unit).then(|| way.wrapping_neg())
+        }
     }
 
-    /// Way since drives were enabled, in the coordinate's unit.
-    pub(super) fn moved(&self) -> f32 {
-        single(self.travel.saturating_sub(self.origin)) * self.unit
+    /// How far apart two drives are since they were enabled, in the coordinate's unit.
+    pub(super) fn apart(&self, other: &Self) -> f32 {
+        let [own, others] = [self, other].map(|node| node.travel.wrapping_sub(node.origin));
+        let apart = match self.own_counts(other, others) {
+            Some(others) => single(own.wrapping_sub(others)) * self.unit,
+            None => single(own) * self.unit - single(others) * other.unit,
+        };
+        libm::fabsf(apart)
     }
 
     pub(super) const fn is_running(&self) -> bool {
         matches!(self.phase, Phase::Running)
     }
 
-    /// State of a drive; nonsense counts as a fault.
-    pub(super) fn drive_state(&self) -> cia402::State {
-        cia402::State::of(self.statusword).unwrap_or(cia402::State::Fault)
+    pub(super) fn set_statusword(&mut self, word: u16) {
+        if word != self.statusword {
+            self.drive_state = cia402::State::of(word).unwrap_or(cia402::State::Fault);
+        }
+        self.statusword = word;
     }
 
     /// Whether a node is set up, alive and sound, and a drive can be enabled or is.
@@ -125,12 +139,12 @@ impl NodeState {
         let sound = match table.role {
             Role::Drive => {
                 let ready = matches!(
-                    self.drive_state(),
+                    self.drive_state,
                     cia402::State::ReadyToSwitchOn
                         | cia402::State::SwitchedOn
                         | cia402::State::OperationEnabled
                 );
-                ready && self.is_in_mode(table)
+                ready && self.is_in_mode
             }
             Role::Imu => self.sequence.is_some() && self.stale == 0 && self.health == 0,
             Role::Encoder => self.health == 0,
@@ -139,8 +153,24 @@ impl NodeState {
         heard && sound
     }
 
-    pub(super) fn is_in_mode(&self, table: &NodeTable<'_>) -> bool {
-        table.motor.is_none_or(|motor| motor.mode == self.mode)
+    /// Whether it is a drive of which no state of the master has to complain.
+    pub(super) fn is_sound_drive(&self, table: &NodeTable<'_>) -> bool {
+        table.role == Role::Drive
+            && self.drive_state == cia402::State::OperationEnabled
+            && self.error_register & 1 == 0
+            && self.is_in_mode
+    }
+
+    pub(super) fn set_mode(&mut self, mode: i8, table: &NodeTable<'_>) {
+        if mode != self.mode {
+            self.is_in_mode = fits(mode, table);
+        }
+        self.mode = mode;
+    }
+
+    /// A node that was just started.
+    pub(super) fn started(now: u64, table: &NodeTable<'_>) -> Self {
+        Self { heard: now, is_in_mode: fits(Self::NEW.mode, table), ..Self::NEW }
     }
 
     /// What an SDO answer means for the step that was asked.
@@ -155,9 +185,15 @@ impl NodeState {
     }
 }
 
-/// In single precision. Most numbers have 32 bits, for which there is an instruction.
+/// Whether a mode is that of the table.
+fn fits(mode: i8, table: &NodeTable<'_>) -> bool {
+    table.motor.as_ref().is_none_or(|motor| motor.mode == mode)
+}
+
+/// In single precision, by the instruction for 32 bits: exactly rounded for numbers of that size, within
+/// one unit in the last place beyond.
 pub(super) fn single(value: i64) -> f32 {
-    i32::try_from(value).map_or_else(|_| value as f32, |value| value as f32)
+    shapebot_dynamics::Ordered::from_i64(value)
 }
 
 fn judge(step: &SdoStep, answer: Answer) -> Verdict {

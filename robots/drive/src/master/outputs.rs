@@ -138,7 +138,8 @@ impl Master<'_> {
             }
             let lost = axis.drives.iter().any(|drive| !self.obeys(*drive));
             let force = if lost || !slewed.is_finite() { 0.0 } else { slewed };
-            let counts = self.quantised(axis, force);
+            let limit = self.torque_limit.get(at).copied().unwrap_or(0);
+            let counts = rounded(force * axis.counts_per_force).max(-limit).min(limit);
             if let (Some(place), Some(count)) = (self.applied.get_mut(at), self.counts.get_mut(at))
             {
                 *place = force;
@@ -147,26 +148,14 @@ impl Master<'_> {
         }
     }
 
-    /// Counts of each drive's torque object, within the smallest limit of the axis' drives.
-    fn quantised(&self, axis: &AxisTable<'_>, force: f32) -> i32 {
-        let limits = axis.drives.iter().filter_map(|drive| {
-            Some(self.table.nodes.get(usize::from(*drive))?.motor?.torque_limit)
-        });
-        let limit = limits.min().unwrap_or(0).max(0);
-        // Casts saturate, and turn NaN into zero.
-        (libm::roundf(force * axis.counts_per_force) as i32).max(-limit).min(limit)
-    }
-
     /// Whether a drive is alive, enabled and in its mode.
     fn obeys(&self, drive: u8) -> bool {
         let index = usize::from(drive);
-        let (Some(node), Some(table)) = (self.nodes.get(index), self.table.nodes.get(index)) else {
-            return false;
-        };
+        let Some(node) = self.nodes.get(index) else { return false };
         node.is_running()
             && node.missed < self.table.timing.missed_fault
-            && node.drive_state() == cia402::State::OperationEnabled
-            && node.is_in_mode(table)
+            && node.drive_state == cia402::State::OperationEnabled
+            && node.is_in_mode
     }
 
     /// No torque, from the next frame on.
@@ -201,22 +190,26 @@ impl Master<'_> {
         self.update_controlwords();
         for command in self.table.commands.iter().filter(|command| command.cyclic) {
             let (bytes, len) = self.content(command);
-            send(command, &bytes, len, out);
+            send(command, bytes, len, out);
         }
     }
 
     /// Frames that are sent when their content changes, and each [`crate::REPEAT_CYCLES`] cycles: one on
     /// a bus in a cycle, but the legs' at once.
     pub(super) fn send_events(&mut self, out: Send<'_>) {
+        if self.events == 0 {
+            return;
+        }
         let table = self.table;
         let count = table.commands.len().min(self.sent.len());
         let turn = (self.counters.cycles as usize)
             .checked_rem((crate::REPEAT_CYCLES as usize).max(count))
             .unwrap_or(0);
-        for (at, command) in table.commands.iter().enumerate().take(count) {
-            if command.cyclic {
-                continue;
-            }
+        let mut left = self.events;
+        while left != 0 {
+            let at = left.trailing_zeros() as usize;
+            left &= left.wrapping_sub(1);
+            let Some(command) = table.commands.get(at) else { continue };
             let (bytes, len) = self.content(command);
             let known = self.sent.get(at).copied().flatten();
             let legs = command.fields.iter().any(|field| field.source == Source::Legs);
@@ -227,51 +220,52 @@ impl Master<'_> {
                 if let Some(place) = self.sent.get_mut(at) {
                     *place = Some(bytes);
                 }
-                send(command, &bytes, len, out);
+                send(command, bytes, len, out);
             }
         }
     }
 
-    /// What a frame holds, and how much of it.
-    fn content(&self, command: &CommandTable<'_>) -> ([u8; 8], usize) {
-        let (mut word, mut used) = (0_u64, 0_usize);
+    /// What a frame holds, and how much of it. What is after the eighth byte is cut off.
+    #[inline(always)]
+    fn content(&self, command: &CommandTable<'_>) -> ([u8; 8], u8) {
+        // A word can begin at each byte of the frame. What it writes behind its field is zero.
+        let (mut bytes, mut used) = ([0; 12], 0_usize);
         for field in command.fields {
-            let encoded = u32::from_le_bytes(field.kind.encode(self.value(field.source)));
-            let bytes = field.kind.bytes();
-            let own = match bytes {
-                1 => encoded & 0xFF,
-                2 => encoded & 0xFFFF,
-                _ => encoded,
-            };
-            // What begins after the eighth byte is cut off.
-            let bit = u32::try_from(used.saturating_mul(8)).unwrap_or(u32::MAX);
-            word |= u64::from(own).checked_shl(bit).unwrap_or(0);
-            used = used.saturating_add(bytes);
+            let encoded = field.kind.encode_short(self.value(field.source));
+            let rest = bytes.get_mut(used..).and_then(<[u8]>::first_chunk_mut);
+            let Some(place) = rest else { break };
+            *place = encoded.to_le_bytes();
+            used = used.saturating_add(field.kind.bytes());
         }
-        (word.to_le_bytes(), used.min(8))
+        (bytes.first_chunk().copied().unwrap_or_default(), used.min(8) as u8)
     }
 
-    fn value(&self, source: Source) -> i64 {
-        let node = |index: u8| self.nodes.get(usize::from(index));
+    fn value(&self, source: Source) -> i32 {
         match source {
             Source::Zero => 0,
-            Source::Controlword { node: index } => {
-                node(index).map_or(0, |state| state.controlword.into())
+            Source::Controlword { node } => {
+                self.nodes.get(usize::from(node)).map_or(0, |state| state.controlword.into())
             }
-            Source::Mode { node: index } => {
-                let table = self.table.nodes.get(usize::from(index));
-                table.and_then(|table| table.motor).map_or(0, |motor| motor.mode.into())
+            Source::Mode { node } => {
+                let table = self.table.nodes.get(usize::from(node));
+                table.and_then(|table| table.motor.as_ref()).map_or(0, |motor| motor.mode.into())
             }
             Source::Torque { axis, sign } => {
-                i64::from(self.torque_counts(axis.into())) * i64::from(sign)
+                self.torque_counts(axis.into()).saturating_mul(sign.into())
             }
             Source::Legs => {
                 let retract = self.state.retracts_legs();
                 let command = if retract { LegsCommand::Retract } else { LegsCommand::Lower };
-                command as i64
+                command as i32
             }
         }
     }
+}
+
+/// The nearest integer, halves away from zero; saturates, zero for NaN.
+fn rounded(value: f32) -> i32 {
+    // The largest single below a half: what is added never rounds up to the next integer by itself.
+    (value + libm::copysignf(0.499_999_97, value)) as i32
 }
 
 /// The nearest value between two bounds.
@@ -285,14 +279,19 @@ fn within(value: f32, low: f32, high: f32) -> f32 {
     }
 }
 
-fn send(command: &CommandTable<'_>, bytes: &[u8; 8], len: usize, out: Send<'_>) {
-    let used = bytes.get(..len).unwrap_or(bytes);
-    out(usize::from(command.bus), Frame::new(command.cob_id, used));
+fn send(command: &CommandTable<'_>, bytes: [u8; 8], len: u8, out: Send<'_>) {
+    out(usize::from(command.bus), Frame::of(command.cob_id, bytes, len));
 }
 
 /// The next controlword of a drive; a fault is reset on an operator's demand alone.
 fn controlword(node: &mut NodeState, goal: Goal) {
-    let state = node.drive_state();
+    let state = node.drive_state;
+    if (state, goal) == (cia402::State::OperationEnabled, Goal::Enabled) {
+        // What is nearly always so.
+        node.controlword = cia402::controlword::ENABLE_OPERATION;
+        node.reset_cycles = 0;
+        return;
+    }
     let reset = node.reset_cycles > 0 && goal != Goal::Enabled;
     node.controlword = cia402::step(state, goal, reset);
     node.reset_cycles = if state.is_fault() { node.reset_cycles.saturating_sub(1) } else { 0 };

@@ -81,13 +81,11 @@ impl Master<'_> {
             let table = self.table.nodes.get(index);
             table.is_none_or(|table| {
                 table.role != Role::Drive
-                    || node.drive_state() == crate::cia402::State::OperationEnabled
-                        && node.is_in_mode(table)
+                    || node.drive_state == crate::cia402::State::OperationEnabled && node.is_in_mode
             })
         };
-        let legs_node = self.legs_node();
-        let legs = legs_node.and_then(|index| self.nodes.get(index)?.legs);
-        let absent = legs_node.is_none();
+        let legs = self.legs();
+        let absent = self.legs.is_none();
         Inputs {
             request: self.request,
             ready: starts && all(&is_ready),
