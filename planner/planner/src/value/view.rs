@@ -189,7 +189,7 @@ impl<'a, T: Stored, const NX: usize, const NS: usize, const F: usize> PlanView<'
     /// The node with nothing after it, so that the compiler knows its length; the file is as long as its
     /// header says.
     #[inline]
-    fn exactly<'b>(node: &'b [u8]) -> Option<&'b [u8]> {
+    fn exactly(node: &[u8]) -> Option<&[u8]> {
         node.get(..Self::NODE * T::SIZE)
     }
 

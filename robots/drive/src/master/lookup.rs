@@ -34,7 +34,7 @@ impl Inputs {
     /// The place that is looked at in the `attempt`th attempt.
     const fn place(key: u16, attempt: usize) -> usize {
         // The node-ID is in the low bits, the number of the PDO and the bus above.
-        (key ^ key >> 6) as usize + attempt & (PLACES - 1)
+        ((key ^ (key >> 6)) as usize + attempt) & (PLACES - 1)
     }
 
     /// The first of several with one key stays.
