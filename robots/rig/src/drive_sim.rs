@@ -2,9 +2,10 @@
 
 use crate::{Body, Error, world};
 use shapebot_bus::{BusError, Buses as _, Frame, Wired};
+use shapebot_drive::Role;
 use shapebot_drive_build::DriveDescription;
 use shapebot_dynamics::Robot;
-use shapebot_nodes::{DriveUnit, Node, NodeFault, Physical, described};
+use shapebot_nodes::{DriveUnit, Mechanism as _, Node, NodeFault, Physical, described};
 use shapebot_sim::Plant;
 
 /// Frames that are heard in a row before the nodes' timers are looked at.
@@ -19,6 +20,8 @@ pub struct DriveSim<'a, R, const N: usize, const NX: usize, const NS: usize> {
     unit: DriveUnit<Body<'a, R, N, NX, NS>>,
     plant_time: u64,
     lost: u64,
+    /// Without legs it is held by hand until a drive is enabled.
+    legs: bool,
 }
 
 impl<R, const N: usize, const NX: usize, const NS: usize> std::fmt::Debug
@@ -47,7 +50,8 @@ where
         let unit = world::drive_unit(description, robot, plant)?;
         let nodes = described(&description.simulated);
         let nodes = nodes.iter().map(|(bus, settings)| (*bus, Node::new(settings))).collect();
-        Ok(Self { buses, nodes, unit, plant_time: 0, lost: 0 })
+        let legs = description.nodes.iter().any(|node| node.role == Role::Legs);
+        Ok(Self { buses, nodes, unit, plant_time: 0, lost: 0, legs })
     }
 
     /// The same with nodes that forgive SYNC and receive PDOs that are late by so many µs more.
@@ -113,6 +117,10 @@ where
                     let out = self.with_node(index, Node::poll);
                     self.spread(index, out)?;
                 }
+            }
+            if !self.legs {
+                let driven = self.nodes.iter().any(|(_, node)| world::is_driven(node));
+                self.unit.mechanism_mut().set_legs(f64::from(u8::from(!driven)));
             }
             if now >= deadline {
                 return Ok(());

@@ -65,13 +65,17 @@ pub fn log_to<R, const N: usize, const NX: usize, const NS: usize>(
     }
 }
 
+/// Whether a node is a drive that may give torque.
+pub(crate) fn is_driven(node: &Node) -> bool {
+    node.power_state() == Some(PowerState::OperationEnabled)
+}
+
 /// Holds a robot without legs by hand as long as none of its drives may give torque.
 pub fn hold_unless_driven<R, const N: usize, const NX: usize, const NS: usize>(
     world: &mut World<'_, R, N, NX, NS>,
 ) where
     R: Robot<f64, N, NX, NS>,
 {
-    let is_driven = |node: &Node| node.power_state() == Some(PowerState::OperationEnabled);
     let driven = (0..world.len()).any(|index| world.node(index).is_some_and(is_driven));
     world.plant_now().mechanism_mut().set_legs(f64::from(u8::from(!driven)));
 }

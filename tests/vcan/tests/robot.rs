@@ -100,7 +100,8 @@ fn check(traffic: &Traffic, table: &DriveTable<'_>) {
     assert!(traffic.cycles > 3000, "{} cycles", traffic.cycles);
 }
 
-/// Whether SYNC keeps its period, but for what is skipped when the computer stalls, and whether nearly all cycles are whole, inputs before commands.
+/// Whether SYNC keeps its period, but for what is skipped when the computer stalls, and whether nearly all
+/// cycles are whole, inputs before commands.
 fn keeps_time(traffic: &Traffic, period: u32) -> bool {
     let near = |value: f64, part: f64| (value / f64::from(period) - 1.0).abs() < part;
     let most = traffic.cycles / 20;
