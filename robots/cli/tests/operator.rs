@@ -112,6 +112,7 @@ fn a_robot_is_started_tuned_given_a_plan_and_stopped() {
     robot.order(&["start"]);
     robot.order(&["keep-station"]);
     robot.order(&["gain", "position", "0.8"]);
+    robot.order(&["watch", "off"]);
     // Another way than the task's: half as far.
     let back = TASK.replace("0.3 m", "-0.15 m");
     std::fs::write(folder.path().join("back.toml"), back).unwrap();

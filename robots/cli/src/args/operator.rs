@@ -1,6 +1,6 @@
 //! What the user may type as a robot's operator.
 
-use clap::{Args, Subcommand};
+use clap::{ArgAction, Args, Subcommand};
 use shapebot_runtime::TUNABLE;
 use std::path::PathBuf;
 
@@ -122,7 +122,7 @@ pub(crate) enum OrderArgs {
     /// Makes the operator's silence a fault from now on, or no more: see `monitor --watch`
     Watch {
         /// Whether it is
-        #[arg(value_parser = on_or_off, value_name = "on|off")]
+        #[arg(action = ArgAction::Set, value_parser = on_or_off, value_name = "on|off")]
         on: bool,
     },
     /// Sends a plan file, to be followed at the next `track`
