@@ -191,7 +191,7 @@ impl SdoStep {
 }
 
 /// A PDO of a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct Pdo {
     /// Identifier.
     pub cob_id: u16,
@@ -202,6 +202,18 @@ pub struct Pdo {
     len: u8,
     size: u8,
     entries: [Entry; MAX_ENTRIES],
+}
+
+/// What it says, however it is kept: fingerprints of drives are made of this.
+impl core::fmt::Debug for Pdo {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Pdo")
+            .field("cob_id", &self.cob_id)
+            .field("number", &self.number)
+            .field("transmission", &self.transmission)
+            .field("entries", &self.entries())
+            .finish()
+    }
 }
 
 impl Pdo {
