@@ -147,9 +147,15 @@ fn a_watch_that_ends_without_a_word_brings_the_robot_down() {
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    let mut line = String::new();
-    BufReader::new(monitor.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let (mut line, mut said) = (String::new(), BufReader::new(monitor.stdout.take().unwrap()));
+    said.read_line(&mut line).unwrap();
     assert!(line.contains("keeping station"), "{line}");
+    // Its signs of life are in nobody's way.
+    shapebot(folder.path(), &["plan", "out.toml", "-o", "plans"], "").ok();
+    robot.order(&["gain", "position", "1.1"]);
+    robot.order(&["upload", "plans/out.plan"]);
+    robot.order(&["track"]);
+    robot.reaches("tracking a plan");
     monitor.kill().unwrap();
     monitor.wait().unwrap();
     let line = robot.reaches("down after a fault");

@@ -128,9 +128,29 @@ fn gains_and_watch_are_passed_on_and_only_what_is_sequenced_is_heard() {
         }
         assert_eq!(tell(Order::Watch(true), 6), (Ok(()), None, Some(true), 1));
         assert_eq!(tell(Order::Watch(false), 7), (Ok(()), None, Some(false), 1));
+        // A sign of life knows the last sequence, and leaves it to who commands.
+        assert_eq!(tell(Order::Watch(true), 7), (Ok(()), None, Some(true), 0));
+        assert_eq!(tell(Order::Gain(0, 7.0), 8), (Ok(()), Some(7.0), None, 1));
         // Replays, and what anybody can replay.
         assert_eq!(tell(Order::Watch(true), 7), (Err(Refusal::Sequence), None, None, 0));
+        assert_eq!(tell(Order::Gain(0, 7.0), 8), (Err(Refusal::Sequence), None, None, 0));
         assert_eq!(tell(Order::Ask(Request::Stop), 7), (Ok(()), None, None, 0));
+    });
+}
+
+#[test]
+fn signs_of_life_do_not_hide_a_refusal() {
+    standing(|run, operator, key| {
+        take(run, operator, &encode(Order::Hello, 0, key));
+        let refused = take(run, operator, &encode(Order::Ask(Request::Start), 1, key));
+        assert_eq!(refused, Refusal::State);
+        let mut robot = Told::new(&mut run.master);
+        for (sequence, taken) in [(1, Ok(())), (0, Err(Refusal::Sequence))] {
+            let watch = encode(Order::Watch(true), sequence, key);
+            assert_eq!(operator.receive(&watch, &mut robot, 0), taken);
+            assert_eq!(operator.refusal(), Refusal::State);
+            assert_eq!(operator.sequence(), Some(1));
+        }
     });
 }
 

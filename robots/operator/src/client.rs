@@ -13,8 +13,11 @@ const PATIENCE: Duration = Duration::from_millis(1500);
 /// How often a command is tried that another operator's command comes before.
 const RETRIES: u32 = 5;
 
-/// From part to part of a plan: a bus with motors on it must not be flooded.
-const CHUNK_PERIOD: Duration = Duration::from_micros(800);
+/// Parts of a plan between two looks at the telemetry, where the link itself holds back who sends too fast.
+const PARTS: u32 = 64;
+
+/// How long such a look takes.
+const BREATH: Duration = Duration::from_millis(1);
 
 /// An operator of a robot.
 #[derive(Debug)]
@@ -80,17 +83,15 @@ impl<L: Link> Client<L> {
         Err(Error::Refused(Refusal::Sequence))
     }
 
-    /// Repeats [`Order::Watch`] without waiting, ahead of the last command that the robot tells of: other
-    /// operators may have given it.
+    /// Repeats [`Order::Watch`] without waiting, with the sequence of the last command that the robot tells
+    /// of: other operators may have given it.
     ///
     /// # Errors
     ///
     /// Those of the link.
     pub fn keep_watch(&mut self) -> Result<(), Error> {
         let Some(status) = self.telemetry.status else { return Ok(()) };
-        let sequence = status.sequence.wrapping_add(1);
-        self.sequence = Some(sequence);
-        self.link.send(&encode(Order::Watch(true), sequence, self.fingerprint))
+        self.link.send(&encode(Order::Watch(true), status.sequence, self.fingerprint))
     }
 
     /// Sends a plan file, to be followed at the next `track`.
@@ -103,10 +104,15 @@ impl<L: Link> Client<L> {
         self.order(Order::PlanBegin(length))?;
         for (index, part) in (0_u32..).zip(file.chunks(CHUNK)) {
             self.link.send(&encode_chunk(index, part))?;
-            self.listen(CHUNK_PERIOD)?;
+            let pace = self.link.pace();
+            if !pace.is_zero() {
+                self.listen(pace)?;
+            } else if index.is_multiple_of(PARTS) {
+                self.listen(BREATH)?;
+            }
             progress((index as usize + 1) * CHUNK);
         }
-        self.sequenced(Order::PlanEnd(crc32(file)))
+        self.order(Order::PlanEnd(crc32(file)))
     }
 
     /// Begins a session ahead of the last one, whose sequence the robot tells.

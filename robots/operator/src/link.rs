@@ -19,6 +19,9 @@ pub trait Link {
     /// Of the socket or bus.
     fn send(&mut self, bytes: &[u8; 8]) -> Result<(), Error>;
 
+    /// Time to leave from part to part of a plan; zero if the link holds back who sends too fast.
+    fn pace(&self) -> Duration;
+
     /// The next page of telemetry, or `None` if none comes in time.
     ///
     /// # Errors
@@ -30,6 +33,10 @@ pub trait Link {
 impl<L: Link + ?Sized> Link for Box<L> {
     fn send(&mut self, bytes: &[u8; 8]) -> Result<(), Error> {
         (**self).send(bytes)
+    }
+
+    fn pace(&self) -> Duration {
+        (**self).pace()
     }
 
     fn receive(&mut self, patience: Duration) -> Result<Option<[u8; 8]>, Error> {
@@ -54,6 +61,11 @@ impl<B: Bus> BusLink<B> {
 impl<B: Bus> Link for BusLink<B> {
     fn send(&mut self, bytes: &[u8; 8]) -> Result<(), Error> {
         Ok(self.bus.send(&Frame::new(self.table.command, bytes))?)
+    }
+
+    /// A bus with motors on it must not be flooded.
+    fn pace(&self) -> Duration {
+        Duration::from_micros(800)
     }
 
     fn receive(&mut self, patience: Duration) -> Result<Option<[u8; 8]>, Error> {
@@ -115,6 +127,10 @@ impl Link for SocketLink {
         let mut record = [0; LONGEST];
         let used = stream::encode(bytes, &mut record);
         Ok(self.stream.write_all(record.get(..used).unwrap_or_default())?)
+    }
+
+    fn pace(&self) -> Duration {
+        Duration::ZERO
     }
 
     fn receive(&mut self, patience: Duration) -> Result<Option<[u8; 8]>, Error> {

@@ -25,7 +25,9 @@
 //!
 //! **Watch.** An operator who gives single commands may come and go. One who wants the robot to come down
 //! if the link breaks arms the watch: from then on the robot has to hear a command of the session every
-//! half second ([`Commanded::watch`]), and lowers its legs if it does not. Repeating the order is enough.
+//! half second ([`Commanded::watch`]), and lowers its legs if it does not. Repeating the order with the sequence of
+//! the last command that was taken is enough, and is neither a command nor refused: it leaves sequence and
+//! refusal to who gives commands.
 //!
 //! **Telemetry** is one frame of eight bytes each [`TELEMETRY_CYCLES`](crate::TELEMETRY_CYCLES) cycles,
 //! page after page: see [`Page`].
@@ -143,9 +145,32 @@ impl<'b> Operator<'b> {
         robot: &mut impl Commanded,
         now: u64,
     ) -> Result<(), Refusal> {
+        if let Some(kept) = self.keep_watch(bytes, robot, now) {
+            return kept;
+        }
         let taken = self.take(bytes, robot, now);
         self.refusal = taken.err().unwrap_or_default();
         taken
+    }
+
+    /// An order to watch that is not ahead: a sign of life if it knows the last sequence. `None` for all
+    /// else.
+    fn keep_watch(
+        &mut self,
+        bytes: &[u8],
+        robot: &mut impl Commanded,
+        now: u64,
+    ) -> Option<Result<(), Refusal>> {
+        let (Ok((Order::Watch(true), sequence)), Some(last)) =
+            (command::decode(bytes, self.fingerprint), self.sequence)
+        else {
+            return None;
+        };
+        if sequence == last {
+            robot.watch(true, now);
+            return Some(Ok(()));
+        }
+        ahead(last, sequence).err().map(Err)
     }
 
     fn take(&mut self, bytes: &[u8], robot: &mut impl Commanded, now: u64) -> Result<(), Refusal> {
