@@ -23,6 +23,10 @@ duration = "3 s"
 /// How many times slower time may run before a computer is too busy for these tests.
 const PACES: [&str; 3] = ["1", "3", "9"];
 
+/// Most error against the plan, m. A frame that is late costs accuracy: at a pace that the computer keeps it
+/// is one or two millimetres.
+const BOUND: f64 = 0.01;
+
 /// Lateness that is forgiven, ms of the bus.
 const SLACK: &str = "20";
 
@@ -68,6 +72,11 @@ impl Drop for Nodes {
     }
 }
 
+/// RMSE against the plan, and error at the end, m.
+fn errors(run: &Run) -> [f64; 2] {
+    ["RMSE against plan", "at the end"].map(|name| figure(&run.stdout, name))
+}
+
 /// Both programs, at the first pace that this computer keeps.
 fn over_a_pseudo_terminal(folder: &Path) -> Run {
     std::fs::write(folder.join("walk.toml"), TASK).unwrap();
@@ -78,8 +87,12 @@ fn over_a_pseudo_terminal(folder: &Path) -> Run {
         let args = ["run", "walk.toml", "--bus", &port, "--slow", pace, "--slack", SLACK];
         let run = shapebot(folder, &args, "");
         let nodes = nodes.stop();
-        if run.code == 0 {
+        if run.code == 0 && errors(&run).iter().all(|error| *error < BOUND) {
             return run;
+        }
+        if run.code == 0 {
+            late += &format!("time slowed {pace} times: {}", run.stdout);
+            continue;
         }
         let is_late = LATE.iter().any(|fault| run.stderr.contains(fault));
         assert!(is_late, "time slowed {pace} times: {}{nodes}", run.stderr);
@@ -100,9 +113,6 @@ fn run_and_drive_sim_balance_and_drive_over_frames() {
     let folder = tempfile::tempdir().unwrap();
     let run = over_a_pseudo_terminal(folder.path());
     let _ = std::io::stdout().write_all(run.stdout.as_bytes());
-    // Late frames cost accuracy; who fell or did not move is a quarter of a metre or more away.
-    assert!(figure(&run.stdout, "RMSE against plan") < 0.15, "{}", run.stdout);
-    assert!(figure(&run.stdout, "at the end") < 0.1, "{}", run.stdout);
     let lean = figure(&run.stdout, "largest lean");
     assert!((0.5..10.0).contains(&lean), "{}", run.stdout);
     assert!(figure(&run.stdout, "cycles on the plan") > 1000.0, "{}", run.stdout);

@@ -160,7 +160,7 @@ fn the_deployed_program_balances_and_drives_a_simulated_robot() {
     let summary =
         format!("{said}ball at {ball:.4} m, lean of at most {:.2} deg", lean.to_degrees());
     common::say(&summary);
-    assert!((ball - 0.5).abs() < 0.03, "{summary}");
+    assert!((ball - 0.5).abs() < 0.01, "{summary}");
     assert!((0.5..10.0).contains(&lean.to_degrees()), "{summary}");
 }
 
