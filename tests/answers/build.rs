@@ -7,11 +7,10 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::{env, fs, io};
 
-const DRIVES: [&str; 2] = ["ballbot3d", "ballbot3d_arms"];
-
 fn main() -> Result<(), Box<dyn Error>> {
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default()).join("drives.rs");
-    let modules: Result<Vec<String>, _> = DRIVES.into_iter().map(module).collect();
+    let names = shapebot_drives::DRIVES.iter().map(|(name, _)| *name);
+    let modules: Result<Vec<String>, _> = names.map(module).collect();
     fs::write(out, modules?.concat())?;
     io::Write::write_all(&mut io::stdout(), b"cargo:rerun-if-changed=build.rs\n")?;
     Ok(())

@@ -3,7 +3,7 @@
 use crate::law::{Deviation, Outer};
 use crate::observer::{MomentumObserver, OffsetObserver, flat_rate};
 use crate::plant::{Dynamics, Plant};
-use crate::signal::finite;
+use crate::signal::Finite;
 use crate::{Command, Compensate, Error, Gains, State, Target};
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Ordered, Robot};
@@ -30,6 +30,8 @@ pub struct Controller<'r, R, T: Ordered, const N: usize, const NX: usize, const 
     pub(crate) plant: Plant<T, N, NX, NS>,
     /// K⁰_qx of the compensation.
     pub(crate) compensation_gain: SMatrix<T, NS, NX>,
+    /// Largest change of the compensation per period.
+    pub(crate) compensation_step: SVector<T, NS>,
     /// Largest change of the generalised forces per period.
     pub(crate) force_step: SVector<T, N>,
     /// Largest magnitude of the offset b̂.
@@ -91,7 +93,17 @@ where
             if limit > T::zero() { limit * gains.force_slew * gains.period } else { T::zero() }
         });
         let gains = *gains;
-        Ok(Self { robot, gains, plant, compensation_gain, force_step, offset_limit, memory: None })
+        let compensation_step = gains.compensation_slew * gains.period;
+        Ok(Self {
+            robot,
+            gains,
+            plant,
+            compensation_gain,
+            compensation_step,
+            force_step,
+            offset_limit,
+            memory: None,
+        })
     }
 
     /// Goes on with other gains from the next step: integrals and estimates are kept.
@@ -200,7 +212,8 @@ where
         wanted: &SVector<T, N>,
         force: SVector<T, N>,
     ) -> Command<T, N, NX, NS> {
-        if !(memory.is_finite() & finite(wanted)) {
+        // The force is finite if what is wanted is.
+        if !memory.added_to(Finite::new().and(wanted)).holds() {
             return Command::fault();
         }
         self.memory = Some(memory);
@@ -230,13 +243,9 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Memory<T, N, 
         }
     }
 
-    fn is_finite(&self) -> bool {
-        finite(&self.lean_integral)
-            & finite(&self.servo_integral)
-            & self.momentum.is_finite()
-            & self.offset.is_finite()
-            & finite(&self.force)
-            & finite(&self.drag)
-            & finite(&self.compensation)
+    fn added_to(&self, sum: Finite<T>) -> Finite<T> {
+        let sum = sum.and(&self.lean_integral).and(&self.servo_integral);
+        let sum = self.offset.added_to(self.momentum.added_to(sum));
+        sum.and(&self.drag).and(&self.compensation)
     }
 }

@@ -54,32 +54,29 @@ where
         let acceleration = -(gains.position.component_mul(&position_error)
             + gains.velocity.component_mul(&velocity_error));
         let wanted = self.compensation_gain * acceleration;
-        let step = gains.compensation_slew * gains.period;
+        let (planned, zero) = (&target.shape[0], T::zero());
         // In this order, so that what is within its limits stays the same to the bit.
-        let slewed = SVector::from_fn(|i, _| {
-            let last = memory.compensation[i];
-            clamp(wanted[i], last - step[i], last + step[i])
+        let compensation = SVector::from_fn(|i, _| {
+            let (last, step) = (memory.compensation[i], self.compensation_step[i]);
+            if wanted[i] == zero && last == zero {
+                return zero;
+            }
+            let slewed = clamp(wanted[i], last - step, last + step);
+            let limit = gains.compensation_limit[i];
+            self.within_range(i, clamp(slewed, -limit, limit), planned[i])
         });
-        let clipped = clamp_all(&slewed, &gains.compensation_limit);
-        let compensation = self.within_range(&clipped, &target.shape[0]);
         let trim =
             clamp_all(&-(self.plant.body_gain * memory.offset.offset), &gains.compensation_limit);
         Outer { compensation, trim, position_error, limited: compensation != wanted }
     }
 
     /// Compensation that leaves the shape in its range, or does not lead it further out.
-    fn within_range(
-        &self,
-        compensation: &SVector<T, NS>,
-        planned: &SVector<T, NS>,
-    ) -> SVector<T, NS> {
-        let (lower, upper) = (self.plant.lower - planned, self.plant.upper - planned);
-        let zero = T::zero();
-        SVector::from_fn(|i, _| {
-            let lower = if lower[i] < zero { lower[i] } else { zero };
-            let upper = if upper[i] > zero { upper[i] } else { zero };
-            clamp(compensation[i], lower, upper)
-        })
+    fn within_range(&self, i: usize, compensation: T, planned: T) -> T {
+        let (zero, lower) = (T::zero(), self.plant.lower[i] - planned);
+        let upper = self.plant.upper[i] - planned;
+        let lower = if lower < zero { lower } else { zero };
+        let upper = if upper > zero { upper } else { zero };
+        clamp(compensation, lower, upper)
     }
 
     /// Errors of the shape against what the outer loop made of the plan.

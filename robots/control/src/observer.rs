@@ -1,7 +1,7 @@
 //! Observers of what the model does not know.
 
 use crate::clamp::clamp_all;
-use crate::signal::finite;
+use crate::signal::Finite;
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::Ordered;
 
@@ -32,8 +32,8 @@ impl<T: Ordered, const NX: usize> MomentumObserver<T, NX> {
         self.disturbance = (measured - self.momentum) * rate;
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
-        finite(&self.momentum) & finite(&self.disturbance)
+    pub(crate) fn added_to(&self, sum: Finite<T>) -> Finite<T> {
+        sum.and(&self.momentum).and(&self.disturbance)
     }
 }
 
@@ -76,8 +76,9 @@ impl<T: Ordered, const NX: usize> OffsetObserver<T, NX> {
         self.offset = clamp_all(&self.offset, limit);
     }
 
-    pub(crate) fn is_finite(&self) -> bool {
-        finite(&self.estimate) & finite(&self.slope) & finite(&self.offset) & self.gain.is_finite()
+    pub(crate) fn added_to(&self, sum: Finite<T>) -> Finite<T> {
+        // The gain is between limits of its own.
+        sum.and(&self.estimate).and(&self.slope).and(&self.offset)
     }
 }
 

@@ -79,10 +79,28 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Command<T, N,
     }
 }
 
-/// Whether all entries are finite: 0·x is zero, or not a number.
+/// Adds up values that are all to be finite: one that is not leaves no finite sum. Nor do values near
+/// the largest of their type, which mean nothing either.
 ///
 /// A conjunction of comparisons would do as well, but some compilers (LLVM 22 in `VectorCombine`) do not
 /// come to an end over those of fifteen coordinates.
-pub(crate) fn finite<T: Ordered, const L: usize>(vector: &SVector<T, L>) -> bool {
-    vector.iter().fold(T::zero(), |sum, &x| sum + x * T::zero()) == T::zero()
+#[derive(Clone, Copy)]
+pub(crate) struct Finite<T>(T);
+
+impl<T: Ordered> Finite<T> {
+    /// Of nothing.
+    pub(crate) fn new() -> Self {
+        Self(T::zero())
+    }
+
+    /// And all entries of a vector.
+    #[must_use]
+    pub(crate) fn and<const L: usize>(self, vector: &SVector<T, L>) -> Self {
+        Self(vector.iter().fold(self.0, |sum, &x| sum + x))
+    }
+
+    /// Whether all were finite.
+    pub(crate) fn holds(self) -> bool {
+        self.0.is_finite()
+    }
 }

@@ -246,6 +246,6 @@ impl Axis {
 impl Command {
     fn table(&self) -> CommandTable<'_> {
         let (bus, cob_id, cyclic) = (self.bus, self.cob_id, self.cyclic);
-        CommandTable { bus, cob_id, cyclic, fields: &self.fields }
+        CommandTable { bus, cob_id, cyclic, fields: &self.fields, writer: None }
     }
 }

@@ -1,9 +1,10 @@
 //! Rust source of a description: tables and codecs.
 
+use crate::codec::frame_tokens;
 use crate::description::{Axis, Command, DriveDescription, Node};
-use crate::message::{Message, MessageSignal, role_name};
+use crate::message::{Message, role_name};
 use proc_macro2::{Group, Ident, Literal, Span, TokenStream, TokenTree};
-use quote::{format_ident, quote};
+use quote::quote;
 use shapebot_drive::{DataType, Entry, Field, Object, Pdo, Role, SdoStep, Signal, Source};
 
 impl DriveDescription {
@@ -24,14 +25,21 @@ impl DriveDescription {
         let doc = format!(" {} (model `{}`).", self.title, self.robot);
         let table = self.table_tokens();
         let buses = self.bus_tokens();
-        let nodes = self.nodes.iter().map(node_tokens);
+        let messages = self.messages();
+        let codec = |bus: u8, cob_id: u16| {
+            let same =
+                |message: &&Message| message.bus == usize::from(bus) && message.cob_id == cob_id;
+            messages.iter().find(same).map(|message| ident(&camel(&message.name)))
+        };
+        let nodes = self.nodes.iter().map(|node| node_tokens(node, &codec));
         let node_list = self.nodes.iter().map(|node| constant(&node.name, ""));
         let axes = self.axes.iter().map(axis_tokens);
-        let commands = self.commands.iter().map(command_tokens);
+        let commands = self.commands.iter().map(|command| command_tokens(command, &codec));
         let (node_count, axis_count) = (self.nodes.len(), self.axes.len());
         let command_count = self.commands.len();
         let yaw_table = self.yaw.map(|_| quote!(YawTable,));
-        let frames = self.messages().into_iter().map(|message| frame_tokens(&message));
+        let frames = messages.iter().zip(self.straight_lines());
+        let frames = frames.map(|(message, code)| frame_tokens(message, &code));
         quote! {
             #[doc = #doc]
             #[rustfmt::skip]
@@ -50,7 +58,7 @@ impl DriveDescription {
                 const COMMANDS: [CommandTable<'static>; #command_count] = [#(#commands),*];
                 /// Codecs of all PDOs.
                 pub mod frames {
-                    use ::shapebot_drive::Frame;
+                    use ::shapebot_drive::{DataType, Frame, Outputs, Readings};
                     #(#frames)*
                 }
             }
@@ -181,7 +189,10 @@ fn number_field(name: &str, value: u32) -> TokenStream {
     quote!(#name: #value)
 }
 
-fn node_tokens(node: &Node) -> TokenStream {
+/// The codec of a frame, by bus and identifier.
+type Codec<'c> = &'c dyn Fn(u8, u16) -> Option<Ident>;
+
+fn node_tokens(node: &Node, codec: Codec<'_>) -> TokenStream {
     let (setup, table) = (constant(&node.name, "_SETUP"), constant(&node.name, ""));
     let setup_doc = format!(" Set-up of `{}`.", node.name);
     let doc = format!(" Node `{}`: {}.", node.name, role_name(node.role));
@@ -196,8 +207,13 @@ fn node_tokens(node: &Node) -> TokenStream {
     });
     let heartbeat = Literal::u16_unsuffixed(node.heartbeat_ms);
     let timeout = Literal::u32_unsuffixed(node.heartbeat_timeout_us);
-    let (receive, transmit) =
-        (node.receive.iter().map(pdo_tokens), node.transmit.iter().map(pdo_tokens));
+    let receive = node.receive.iter().map(pdo_tokens);
+    let transmit = node.transmit.iter().map(|pdo| {
+        let reader =
+            codec(node.bus, pdo.cob_id).map(|codec| quote!(.read_by(frames::#codec::read)));
+        let pdo = pdo_tokens(pdo);
+        quote!(#pdo #reader)
+    });
     let motor = option(node.motor.map(|motor| {
         let (axis, sign, mode) = (motor.axis, motor.sign, motor.mode);
         let (in_drive, each, ratio) = (motor.sign_in_drive, motor.torque_per_count, motor.ratio);
@@ -290,7 +306,7 @@ fn axis_tokens(axis: &Axis) -> TokenStream {
     })
 }
 
-fn command_tokens(command: &Command) -> TokenStream {
+fn command_tokens(command: &Command, codec: Codec<'_>) -> TokenStream {
     let (bus, id, cyclic) = (command.bus, hex16(command.cob_id), command.cyclic);
     let fields = command.fields.iter().map(|field: &Field| {
         let kind = kind_tokens(field.kind);
@@ -303,98 +319,18 @@ fn command_tokens(command: &Command) -> TokenStream {
         };
         quote!(Field { kind: #kind, source: #source })
     });
-    quote!(CommandTable { bus: #bus, cob_id: #id, cyclic: #cyclic, fields: &[#(#fields),*] })
+    let writer =
+        option(codec(command.bus, command.cob_id).map(|codec| quote!(frames::#codec::write)));
+    quote!(CommandTable {
+        bus: #bus,
+        cob_id: #id,
+        cyclic: #cyclic,
+        fields: &[#(#fields),*],
+        writer: #writer,
+    })
 }
 
-/// A struct for a frame, with `decode` and `encode`.
-fn frame_tokens(message: &Message) -> TokenStream {
-    let name = ident(&camel(&message.name));
-    let from = message.sender.as_deref().map_or("the master".into(), |node| format!("`{node}`"));
-    let doc = format!(" From {from}: COB-ID 0x{:03X}, {} bytes.", message.cob_id, message.bytes);
-    let (id, bytes) = (hex16(message.cob_id), message.bytes);
-    let fields = message.signals.iter().map(|signal| {
-        let (field, kind) = (ident(&signal.name), rust_type(signal.kind));
-        let doc = signal_doc(signal);
-        quote!(#[doc = #doc] pub #field: #kind)
-    });
-    let scales = message.signals.iter().filter(|signal| !signal.unit.is_empty()).map(|signal| {
-        let scale_name = constant(&signal.name, "_SCALE");
-        let (scale, doc) =
-            (signal.scale as f32, format!(" One count of `{}`, {}.", signal.name, signal.unit));
-        quote!(#[doc = #doc] pub const #scale_name: f32 = #scale;)
-    });
-    let bindings = (0..bytes).map(|index| byte_name(index, message));
-    let reads = message.signals.iter().map(|signal| {
-        let (field, kind) = (ident(&signal.name), rust_type(signal.kind));
-        let parts =
-            (signal.byte..signal.byte + signal.kind.bytes()).map(|at| format_ident!("b{at}"));
-        quote!(#field: #kind::from_le_bytes([#(#parts),*]))
-    });
-    let splits = message.signals.iter().map(|signal| {
-        let field = ident(&signal.name);
-        let parts =
-            (signal.byte..signal.byte + signal.kind.bytes()).map(|at| format_ident!("b{at}"));
-        quote!(let [#(#parts),*] = self.#field.to_le_bytes();)
-    });
-    let written = (0..bytes).map(|index| {
-        if is_used(index, message) {
-            let name = format_ident!("b{index}");
-            quote!(#name)
-        } else {
-            quote!(0)
-        }
-    });
-    quote! {
-        #[doc = #doc]
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-        pub struct #name { #(#fields),* }
-        impl #name {
-            /// Identifier.
-            pub const COB_ID: u16 = #id;
-            #(#scales)*
-            /// The numbers of a frame, `None` unless identifier and length are those of this PDO.
-            #[must_use]
-            pub fn decode(frame: &Frame) -> Option<Self> {
-                if frame.standard_id() != Some(Self::COB_ID) {
-                    return None;
-                }
-                let [#(#bindings),*] = frame.exactly::<#bytes>()?;
-                Some(Self { #(#reads),* })
-            }
-            /// The frame with these numbers.
-            #[must_use]
-            pub fn encode(self) -> Frame {
-                #(#splits)*
-                Frame::new(Self::COB_ID, &[#(#written),*])
-            }
-        }
-    }
-}
-
-fn is_used(index: usize, message: &Message) -> bool {
-    let inside =
-        |signal: &MessageSignal| (signal.byte..signal.byte + signal.kind.bytes()).contains(&index);
-    message.signals.iter().any(inside)
-}
-
-fn byte_name(index: usize, message: &Message) -> TokenStream {
-    let name = format_ident!("b{index}");
-    if is_used(index, message) { quote!(#name) } else { quote!(_) }
-}
-
-fn signal_doc(signal: &MessageSignal) -> String {
-    let name = signal.name.replace('_', " ");
-    match signal.unit.as_str() {
-        "" => format!(" {name}."),
-        unit => format!(" {name}, counts of {} {unit}.", signal.scale),
-    }
-}
-
-fn rust_type(kind: DataType) -> Ident {
-    ident(&format!("{kind:?}").to_lowercase())
-}
-
-fn kind_tokens(kind: DataType) -> TokenStream {
+pub(crate) fn kind_tokens(kind: DataType) -> TokenStream {
     let name = ident(&format!("{kind:?}"));
     quote!(DataType::#name)
 }
@@ -409,7 +345,7 @@ fn option(value: Option<TokenStream>) -> TokenStream {
 }
 
 /// An identifier; names that are keywords get an underscore.
-fn ident(name: &str) -> Ident {
+pub(crate) fn ident(name: &str) -> Ident {
     let letters = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let clean: String = name.chars().map(letters).collect();
     let begins = clean.starts_with(|c: char| c.is_ascii_digit()) || clean.is_empty();
@@ -417,11 +353,11 @@ fn ident(name: &str) -> Ident {
     syn::parse_str(&clean).unwrap_or_else(|_| Ident::new(&format!("{clean}_"), Span::call_site()))
 }
 
-fn constant(name: &str, suffix: &str) -> Ident {
+pub(crate) fn constant(name: &str, suffix: &str) -> Ident {
     ident(&format!("{}{suffix}", name.to_uppercase()))
 }
 
-fn camel(name: &str) -> String {
+pub(crate) fn camel(name: &str) -> String {
     let words = name.split('_').map(|word| {
         let mut letters = word.chars();
         let first = letters.next().map(|c| c.to_ascii_uppercase());
@@ -430,7 +366,7 @@ fn camel(name: &str) -> String {
     words.collect()
 }
 
-fn hex16(value: u16) -> Literal {
+pub(crate) fn hex16(value: u16) -> Literal {
     hex(&format!("0x{value:03X}"), value.into())
 }
 

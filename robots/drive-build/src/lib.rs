@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod codec;
 mod dbc;
 mod description;
 mod emit;

@@ -75,6 +75,11 @@ impl Frame {
         self.data.get(..len).unwrap_or(&self.data)
     }
 
+    /// All eight bytes of a data frame, zeros after its own.
+    pub(crate) fn data(&self) -> Option<&[u8; 8]> {
+        (!self.remote).then_some(&self.data)
+    }
+
     /// Data length code.
     #[must_use]
     pub const fn len(&self) -> usize {

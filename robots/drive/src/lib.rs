@@ -40,7 +40,7 @@
 //!     if master.inputs_due(now) {
 //!         let measurement = master.measure(now);
 //!         let forces = [0.0]; // the controller's, from the measurement
-//!         # let _ = measurement;
+//!         # let _ = measurement.position(0);
 //!         master.command(&Command::new(&forces), now, &mut |bus, frame| sent.push((bus, frame)));
 //!     }
 //! }
@@ -72,7 +72,9 @@ pub use fault::{Fault, FaultRecord, Faults};
 pub use frame::{Frame, extended, standard};
 pub use id::NodeId;
 pub use jitter::Jitter;
-pub use master::{Command, Counters, Master, Measurement};
+pub use master::{
+    Command, Count, Counters, Master, Measurement, Outputs, Reader, Readings, Writer,
+};
 pub use object::{DataType, Object, object};
 pub use table::{
     AxisTable, BusTable, CommandTable, DriveTable, Entry, Field, MAX_AXES, MAX_BUSES, MAX_COMMANDS,

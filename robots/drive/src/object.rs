@@ -151,18 +151,6 @@ impl DataType {
         matches!(self, Self::I8 | Self::I16 | Self::I32)
     }
 
-    /// The same for what has 32 bits, as a word with zeros above the type's bits.
-    pub(crate) fn encode_short(self, value: i32) -> u32 {
-        match self {
-            Self::I8 => value.max(i8::MIN.into()).min(i8::MAX.into()) as u32 & 0xFF,
-            Self::I16 => value.max(i16::MIN.into()).min(i16::MAX.into()) as u32 & 0xFFFF,
-            Self::I32 => value as u32,
-            Self::U8 => value.max(0).min(u8::MAX.into()) as u32,
-            Self::U16 => value.max(0).min(u16::MAX.into()) as u32,
-            Self::U32 => value.max(0) as u32,
-        }
-    }
-
     /// What an extended value is.
     pub(crate) const fn value(self, extended: u32) -> i64 {
         match self {
@@ -238,6 +226,21 @@ impl DataType {
         let (low, high) = self.range();
         (value.max(low).min(high) as u32).to_le_bytes()
     }
+
+    /// The same for what has 32 bits, with zeros behind the type's own bytes.
+    #[inline(always)]
+    #[must_use]
+    pub fn low_bytes(self, value: i32) -> [u8; 4] {
+        let word = match self {
+            Self::I8 => value.max(i8::MIN.into()).min(i8::MAX.into()) as u32 & 0xFF,
+            Self::I16 => value.max(i16::MIN.into()).min(i16::MAX.into()) as u32 & 0xFFFF,
+            Self::I32 => value as u32,
+            Self::U8 => value.max(0).min(u8::MAX.into()) as u32,
+            Self::U16 => value.max(0).min(u16::MAX.into()) as u32,
+            Self::U32 => value.max(0) as u32,
+        };
+        word.to_le_bytes()
+    }
 }
 
 #[cfg(test)]
@@ -252,6 +255,8 @@ mod tests {
         assert_eq!(DataType::U16.decode(&[0xFE, 0xFF]), 65_534);
         assert_eq!(DataType::I32.decode(&[0, 0, 0, 0x80]), -2_147_483_648);
         assert_eq!(DataType::U8.encode(-1)[0], 0);
+        assert_eq!(DataType::I16.low_bytes(-40_000), [0, 0x80, 0, 0]);
+        assert_eq!(DataType::U8.low_bytes(300), [255, 0, 0, 0]);
     }
 
     #[test]

@@ -165,6 +165,12 @@ impl State {
         })
     }
 
+    /// Whether it is left for nothing but a request, a fault or the end of a plan.
+    #[must_use]
+    pub const fn lasts(self) -> bool {
+        matches!(self, Self::Balancing | Self::StationKeeping | Self::Tracking)
+    }
+
     /// The next state.
     #[must_use]
     pub const fn next(self, inputs: &Inputs) -> Self {

@@ -4,6 +4,7 @@
 //! Angles are radians, lengths metres, forces N·m or N, times microseconds unless the name says so.
 
 use crate::id::NodeId;
+use crate::master::{Reader, Writer};
 use crate::object::{DataType, Object};
 
 /// Largest number of nodes of a drive.
@@ -190,8 +191,8 @@ impl SdoStep {
     }
 }
 
-/// A PDO of a node.
-#[derive(Clone, Copy, PartialEq)]
+/// A PDO of a node. Two are equal if they say the same: a [`Reader`] adds nothing to that.
+#[derive(Clone, Copy)]
 pub struct Pdo {
     /// Identifier.
     pub cob_id: u16,
@@ -202,6 +203,14 @@ pub struct Pdo {
     len: u8,
     size: u8,
     entries: [Entry; MAX_ENTRIES],
+    reader: Option<Reader>,
+}
+
+impl PartialEq for Pdo {
+    fn eq(&self, other: &Self) -> bool {
+        let key = |pdo: &Self| (pdo.cob_id, pdo.number, pdo.transmission);
+        key(self) == key(other) && self.entries() == other.entries()
+    }
 }
 
 /// What it says, however it is kept: fingerprints of drives are made of this.
@@ -231,7 +240,26 @@ impl Pdo {
             len += 1;
             rest = tail;
         }
-        Self { cob_id, number, transmission, len: len as u8, size: size as u8, entries: own }
+        let (len, size) = (len as u8, size as u8);
+        Self { cob_id, number, transmission, len, size, entries: own, reader: None }
+    }
+
+    /// The same, read by code that was made from its entries.
+    #[must_use]
+    pub const fn read_by(self, reader: Reader) -> Self {
+        Self { reader: Some(reader), ..self }
+    }
+
+    /// Straight-line code that reads it.
+    #[must_use]
+    pub const fn reader(&self) -> Option<Reader> {
+        self.reader
+    }
+
+    /// The same without such code: the master goes through its entries.
+    #[must_use]
+    pub const fn interpreted(self) -> Self {
+        Self { reader: None, ..self }
     }
 
     /// What it holds, from its first byte.
@@ -346,8 +374,9 @@ pub struct AxisTable<'a> {
     pub pair_tolerance: f32,
 }
 
-/// A frame of the master to one or several nodes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A frame of the master to one or several nodes. Two are equal if they say the same: a [`Writer`] adds
+/// nothing to that.
+#[derive(Clone, Copy)]
 pub struct CommandTable<'a> {
     /// Index into [`DriveTable::buses`].
     pub bus: u8,
@@ -357,6 +386,27 @@ pub struct CommandTable<'a> {
     pub cyclic: bool,
     /// What it holds, from its first byte.
     pub fields: &'a [Field],
+    /// Straight-line code that fills it, made from the fields; without, the master goes through them.
+    pub writer: Option<Writer>,
+}
+
+impl PartialEq for CommandTable<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        let key = |command: &Self| (command.bus, command.cob_id, command.cyclic);
+        key(self) == key(other) && self.fields == other.fields
+    }
+}
+
+/// What it says, however it is written.
+impl core::fmt::Debug for CommandTable<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("CommandTable")
+            .field("bus", &self.bus)
+            .field("cob_id", &self.cob_id)
+            .field("cyclic", &self.cyclic)
+            .field("fields", &self.fields)
+            .finish()
+    }
 }
 
 /// A number in a frame of the master.

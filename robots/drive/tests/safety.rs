@@ -41,6 +41,18 @@ fn there_are_as_many_as_there_should_be() {
 }
 
 #[test]
+fn what_lasts_is_left_for_a_request_a_fault_or_an_end() {
+    for (from, inputs, to) in transitions() {
+        // A robot without faults can balance.
+        let quiet = inputs.request.is_none() && !inputs.fault && inputs.can_balance;
+        if from.lasts() && quiet && !inputs.finished {
+            assert_eq!(to, from, "{inputs:?}");
+        }
+    }
+    assert_eq!(STATES.into_iter().filter(|state| state.lasts()).count(), 3);
+}
+
+#[test]
 fn torque_begins_only_when_all_drives_are_enabled_upright_on_the_legs_and_sound() {
     for (from, inputs, to) in transitions() {
         if !from.permits_torque() && to.permits_torque() {

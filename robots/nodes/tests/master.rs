@@ -73,7 +73,7 @@ fn run(
         master.poll(now, &mut |bus, frame| frames.push((bus, frame)));
         if master.inputs_due(now) {
             let measurement = master.measure(now);
-            let command = Command::new(&forces(&measurement));
+            let command = Command::new(&forces(measurement));
             master.command(&command, now, &mut |bus, frame| frames.push((bus, frame)));
         }
         for (bus, frame) in frames {

@@ -246,7 +246,7 @@ where
                 *to = force.to_f32();
             }
         }
-        shapebot_drive::Command::new(&forces)
+        shapebot_drive::Command::from_forces(forces)
     }
 
     /// What is wanted now, and the time of the plan.

@@ -69,10 +69,13 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Sensing<T, N,
         let c = T::from_f64;
         let rates: SVector<T, NS> =
             SVector::from_fn(|i, _| T::from_f32(measurement.velocity(NX + i)));
-        let late: SVector<T, NS> =
-            SVector::from_fn(|i, _| T::from_f32(measurement.age(NX + i).min(CARRIED).into()));
-        let sampled: SVector<T, NS> = SVector::from_fn(|i, _| measurement.way(NX + i, 0));
-        let shape = sampled + rates.component_mul(&late) * self.period;
+        let shape: SVector<T, NS> = SVector::from_fn(|i, _| {
+            let sampled = measurement.way(NX + i, 0);
+            match measurement.age(NX + i).min(CARRIED) {
+                0 => sampled,
+                late => sampled + rates[i] * T::from_f32(late.into()) * self.period,
+            }
+        });
         let mut position = SVector::<T, NX>::from_element(T::zero());
         for (i, (entry, origin)) in position.iter_mut().zip(&self.origin).enumerate() {
             *entry = measurement.way(i, *origin);

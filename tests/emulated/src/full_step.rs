@@ -165,13 +165,13 @@ fn made_up(
 /// Frames with their buses.
 #[derive(Clone, Copy, Debug)]
 struct Mailbox {
-    frames: [Option<(usize, Frame)>; ROOM],
+    frames: [(usize, Frame); ROOM],
     len: usize,
 }
 
 impl Mailbox {
-    const fn new() -> Self {
-        Self { frames: [None; ROOM], len: 0 }
+    fn new() -> Self {
+        Self { frames: [(0, Frame::new(0, &[])); ROOM], len: 0 }
     }
 
     fn clear(&mut self) {
@@ -180,12 +180,12 @@ impl Mailbox {
 
     fn put(&mut self, bus: usize, frame: Frame) {
         if let Some(place) = self.frames.get_mut(self.len) {
-            *place = Some((bus, frame));
+            *place = (bus, frame);
             self.len += 1;
         }
     }
 
-    fn frames(&self) -> impl Iterator<Item = &(usize, Frame)> {
-        self.frames.iter().take(self.len).flatten()
+    fn frames(&self) -> &[(usize, Frame)] {
+        self.frames.get(..self.len).unwrap_or(&self.frames)
     }
 }

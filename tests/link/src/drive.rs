@@ -5,7 +5,8 @@ use core::hint::black_box;
 use shapebot_bus::slcan::codec::{Decoder, Token, command, encode, reply};
 use shapebot_drive::safety::Request;
 use shapebot_drive::{
-    Command, DriveTable, Fault, Frame, Master, NodeId, OperatorTable, SafetyTable, Timing, YawTable,
+    Command, CommandTable, DataType, DriveTable, Fault, Frame, Master, NodeId, OperatorTable,
+    Outputs, Pdo, Readings, SafetyTable, Timing, YawTable,
 };
 
 /// An example of tables.
@@ -51,8 +52,50 @@ pub(crate) fn tables() -> DriveTable<'static> {
     }
 }
 
+/// All that a generated reader calls.
+fn every_number(data: &[u8; 8], to: &mut Readings<'_>) {
+    let [b0, b1, b2, b3, ..] = *data;
+    let (long, short) = (i32::from_le_bytes([b0, b1, b2, b3]), u16::from_le_bytes([b0, b1]));
+    let (index, scale) = (unknown(0), unknown(0.0));
+    to.statusword(short);
+    to.mode_display(b0 as i8);
+    to.error_register(b1);
+    to.position(long, scale);
+    to.velocity(long, scale);
+    to.actual_torque(short as i16, scale);
+    to.coordinate(index, long, scale);
+    to.rate(index, short as i16, scale);
+    to.heading(long, scale);
+    to.heading_rate(short as i16, scale);
+    to.yaw(long as u32, scale);
+    to.sequence(b2);
+    to.health(b3);
+    to.legs_state(b0);
+}
+
+/// All that a generated writer calls.
+fn every_field(from: &Outputs<'_>) -> [u8; 8] {
+    let [b0, b1, ..] = DataType::I16.low_bytes(from.torque(unknown(0)).saturating_neg());
+    let [b2, b3, ..] = DataType::U16.low_bytes(from.controlword(unknown(0)).into());
+    let [b4, ..] = unknown(DataType::U8).low_bytes(from.legs_command().into());
+    [b0, b1, b2, b3, b4, 0, 0, 0]
+}
+
+/// What generated tables have beside their numbers.
+fn straight_line_code() {
+    black_box(Pdo::new(0, 0, 0, &[]).read_by(every_number));
+    black_box(CommandTable {
+        bus: 0,
+        cob_id: 0,
+        cyclic: true,
+        fields: &[],
+        writer: Some(every_field),
+    });
+}
+
 /// All that a master is asked for, in any order, on any frames, with tables of any length and content.
 pub(crate) fn master_of_any_tables() {
+    straight_line_code();
     let table = unknown(tables());
     let mut master = Master::new(&table);
     let mut out = |bus: usize, frame: Frame| {

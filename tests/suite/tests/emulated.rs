@@ -7,7 +7,7 @@ use std::time::Duration;
 
 /// Most instructions of an evaluation. A microcontroller of 100 MHz makes 200 000 in a cycle of 500 Hz.
 const CEILINGS: [(&str, u32); 4] =
-    [("sin_cos", 120), ("motion", 2_000), ("plan_at", 1_400), ("full_step", 16_000)];
+    [("sin_cos", 120), ("motion", 2_000), ("plan_at", 1_400), ("full_step", 12_000)];
 
 /// What the host computes.
 fn host() -> Vec<Outcome> {

@@ -4,6 +4,7 @@ use super::Settings;
 use super::rate::FlatFilter;
 use crate::observer::{OffsetObserver, flat_rate};
 use crate::plant::{Dynamics, Plant};
+use crate::signal::Finite;
 use crate::{Error, State};
 use nalgebra::SVector;
 use shapebot_dynamics::{Ordered, Robot};
@@ -59,7 +60,7 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> LeanOffset<T,
         let z = flat_rate(response, &qxd, &qsd);
         let mut observer = self.observer.unwrap_or_else(|| OffsetObserver::new(z, slope));
         observer.advance(&z, &slope, [settings.period, settings.offset_rate]);
-        if !observer.is_finite() {
+        if !observer.added_to(Finite::new()).holds() {
             return SVector::from_element(T::zero());
         }
         self.observer = Some(observer);

@@ -2,7 +2,7 @@
 
 use crate::linear_algebra::solve_definite;
 use crate::plant::Plant;
-use crate::signal::finite;
+use crate::signal::Finite;
 use crate::{Error, State};
 use nalgebra::{SMatrix, SVector};
 use shapebot_dynamics::{Ordered, Robot};
@@ -121,7 +121,7 @@ where
 
     /// Takes a state and the generalised forces that acted since the last one.
     pub fn step(&mut self, state: &State<T, N>, force: &SVector<T, N>) -> Payload<T> {
-        if !(finite(&state.q) & finite(&state.qd) & finite(force)) {
+        if !Finite::new().and(&state.q).and(&state.qd).and(force).holds() {
             return self.payload(&state.q);
         }
         let PayloadSettings { period, point, memory, window, .. } = self.settings;

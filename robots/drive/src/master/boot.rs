@@ -34,7 +34,7 @@ impl<'a> Master<'a> {
                 if phase == Phase::Running && state.phase != Phase::Running {
                     *state = NodeState::started(now, node);
                     self.heartbeats_due = 0;
-                    if self.expected.get(index).is_some_and(|expected| *expected != 0) {
+                    if state.expected != 0 {
                         self.awaited |= node_bit(index);
                     }
                 }
@@ -163,23 +163,30 @@ impl<'a> Master<'a> {
 
     /// Nodes that were silent for too long; and until when none can be.
     fn check_heartbeats(&mut self, now: u64) {
-        let mut due = u64::MAX;
-        for (index, node) in self.table.nodes.iter().enumerate() {
-            let Some(state) = self.nodes.get_mut(index).filter(|state| state.is_running()) else {
-                continue;
-            };
-            let until = state.heard.saturating_add(node.heartbeat_timeout_us.into());
-            if now > until {
-                // Once, until it is heard or set up again.
-                let silent = now.saturating_sub(state.heard);
-                state.phase = Phase::Failed;
-                self.awaited &= !node_bit(index);
-                self.raise(Fault::Heartbeat, Some(index), now, silent.min(u32::MAX.into()) as u32);
-            } else {
-                due = due.min(until);
+        let mut left = u32::MAX;
+        for (node, table) in self.nodes.iter().zip(self.table.nodes) {
+            if node.is_running() {
+                left = left.min(table.heartbeat_timeout_us.saturating_sub(node.silence(now)));
             }
         }
-        self.heartbeats_due = due;
+        if left == 0 {
+            self.drop_silent(now);
+        }
+        self.heartbeats_due = now.saturating_add(left.into());
+    }
+
+    /// Each once, until it is heard or set up again.
+    #[cold]
+    fn drop_silent(&mut self, now: u64) {
+        for (index, table) in self.table.nodes.iter().enumerate() {
+            let Some(node) = self.nodes.get_mut(index) else { break };
+            let silent = node.silence(now);
+            if node.is_running() && silent > table.heartbeat_timeout_us {
+                node.phase = Phase::Failed;
+                self.awaited &= !node_bit(index);
+                self.raise(Fault::Heartbeat, Some(index), now, silent);
+            }
+        }
     }
 
     /// Resets nodes that are not running, and the faults of drives that are.

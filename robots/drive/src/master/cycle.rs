@@ -34,15 +34,16 @@ impl Master<'_> {
             self.counters.skipped = self.counters.skipped.saturating_add(skipped);
             self.next_sync = now.saturating_add(period);
         }
-        self.awaited = 0;
-        let nodes = self.nodes.iter_mut().take(self.table.nodes.len());
-        for (index, (node, expected)) in nodes.zip(&self.expected).enumerate() {
+        let (mut awaited, mut bit) = (0, node_bit(0));
+        for node in self.nodes.iter_mut().take(self.table.nodes.len()) {
             node.received = 0;
-            if node.is_running() && *expected != 0 {
-                self.awaited |= node_bit(index);
+            if node.is_running() && node.expected != 0 {
+                awaited |= bit;
             }
+            bit <<= 1;
         }
-        self.synchronised = self.awaited;
+        self.awaited = awaited;
+        self.synchronised = awaited;
         self.taken = false;
         self.commanded = false;
         self.event_budget = 1;
@@ -96,13 +97,19 @@ impl Master<'_> {
         if matches!(self.state, State::Off | State::FaultDown) {
             return;
         }
-        for (index, table) in self.table.nodes.iter().enumerate() {
-            let Some(node) = self.nodes.get(index).filter(|node| node.is_running()) else {
-                continue;
+        let mut suspects = 0;
+        let mut bit = node_bit(0);
+        for node in self.nodes.iter().take(self.table.nodes.len()) {
+            suspects |= if node.is_suspect() { bit } else { 0 };
+            bit <<= 1;
+        }
+        while suspects != 0 {
+            let index = suspects.trailing_zeros() as usize;
+            suspects &= suspects.wrapping_sub(1);
+            let (Some(table), Some(node)) = (self.table.nodes.get(index), self.nodes.get(index))
+            else {
+                break;
             };
-            if node.is_sound_drive(table) {
-                continue;
-            }
             let [first, second] = self.complaints(table, node);
             for (fault, detail) in first.into_iter().chain(second) {
                 self.raise(fault, Some(index), now, detail);
@@ -149,7 +156,10 @@ impl Master<'_> {
             return;
         }
         for axis in self.table.axes {
-            let Some((lead, others)) = axis.drives.split_first() else { continue };
+            let [lead, others @ ..] = axis.drives else { continue };
+            if others.is_empty() {
+                continue;
+            }
             let Some(lead) = self.nodes.get(usize::from(*lead)) else { continue };
             let apart = |drive: &&u8| {
                 let node = self.nodes.get(usize::from(**drive));

@@ -1,12 +1,12 @@
 //! Inputs: what nodes send after SYNC.
 
+use super::lookup::Input;
 use super::node::{NodeState, single};
+use super::readings::Readings;
 use super::{Master, node_bit};
 use crate::fault::Fault;
 use crate::frame::Frame;
-use crate::legs::LegsState;
-use crate::object::DataType;
-use crate::table::{Entry, MAX_AXES, MAX_COORDINATES, NodeTable, Signal};
+use crate::table::{MAX_COORDINATES, MAX_NODES};
 use crate::yaw::Rotation;
 use shapebot_dynamics::Ordered;
 
@@ -55,9 +55,20 @@ impl Measurement {
         T::from_i64(self.counts(coordinate).wrapping_sub(origin)) * T::from_f32(unit)
     }
 
-    fn set_position(&mut self, coordinate: usize, counts: i64, unit: f32) {
+    #[inline(always)]
+    pub(super) fn set_position(&mut self, coordinate: usize, counts: i64, unit: f32) {
         set(&mut self.counts, coordinate, counts);
         set(&mut self.unit, coordinate, unit);
+    }
+
+    #[inline(always)]
+    pub(super) fn set_velocity(&mut self, coordinate: usize, velocity: f32) {
+        set(&mut self.velocity, coordinate, velocity);
+    }
+
+    #[inline(always)]
+    pub(super) fn set_age(&mut self, coordinate: usize, age: u8) {
+        set(&mut self.age, coordinate, age);
     }
 
     /// Its rate: measured, or the difference of positions over the cycles between them.
@@ -89,10 +100,27 @@ impl Default for Measurement {
     }
 }
 
-fn set<T>(values: &mut [T], index: usize, value: T) {
+#[inline(always)]
+fn set<T>(values: &mut [T; MAX_COORDINATES], index: usize, value: T) {
     if let Some(place) = values.get_mut(index) {
         *place = value;
     }
+}
+
+/// An axis from cycle to cycle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AxisState {
+    /// Its position came at least once.
+    known: bool,
+    /// Position, counts.
+    counts: i64,
+    /// Displacement in this cycle, in the coordinate's unit.
+    moved: f32,
+    rate: f32,
+}
+
+impl AxisState {
+    pub(super) const NEW: Self = Self { known: false, counts: 0, moved: 0.0, rate: 0.0 };
 }
 
 /// Mean of the drives of an axis.
@@ -106,65 +134,91 @@ struct AxisReading {
     fresh: bool,
 }
 
-/// The next number of a type in a frame's bytes, extended to 32 bits by its sign; `None` after their end.
-#[inline(always)]
-fn next(rest: &mut &[u8], kind: DataType) -> Option<u32> {
-    Some(match kind {
-        DataType::I8 => i8::from_le_bytes(chunk(rest)?) as u32,
-        DataType::I16 => i16::from_le_bytes(chunk(rest)?) as u32,
-        DataType::U8 => u8::from_le_bytes(chunk(rest)?).into(),
-        DataType::U16 => u16::from_le_bytes(chunk(rest)?).into(),
-        DataType::I32 | DataType::U32 => u32::from_le_bytes(chunk(rest)?),
-    })
-}
+impl AxisReading {
+    /// Of one, two or more drives; `None` until all have reported.
+    #[inline(always)]
+    fn of(nodes: &[NodeState; MAX_NODES], drives: &[u8]) -> Option<Self> {
+        let node = |drive: &u8| nodes.get(usize::from(*drive)).filter(|it| it.counts.is_some());
+        match drives {
+            [] => None,
+            [one] => {
+                let NodeState { travel, unit, velocity, received, .. } = *node(one)?;
+                Some(Self { counts: travel, unit, velocity, fresh: received != 0 })
+            }
+            [one, two] => {
+                let (lead, other) = (node(one)?, node(two)?);
+                let Some(way) = lead.own_counts(other, other.travel) else {
+                    return Self::mean(nodes, drives);
+                };
+                let velocity = match (lead.velocity, other.velocity) {
+                    (Some(own), Some(others)) => Some((own + others) * 0.5),
+                    (own, others) => own.or(others),
+                };
+                let counts = lead.travel.wrapping_add(way);
+                let fresh = lead.received | other.received != 0;
+                Some(Self { counts, unit: lead.unit * 0.5, velocity, fresh })
+            }
+            _ => Self::mean(nodes, drives),
+        }
+    }
 
-#[inline(always)]
-fn chunk<const BYTES: usize>(rest: &mut &[u8]) -> Option<[u8; BYTES]> {
-    let (own, after) = rest.split_first_chunk()?;
-    *rest = after;
-    Some(*own)
+    /// Of more than two drives, or of drives whose counts have several sizes: in small parts of a count.
+    #[cold]
+    #[inline(never)]
+    fn mean(nodes: &[NodeState; MAX_NODES], drives: &[u8]) -> Option<Self> {
+        let (mut sum, mut count, mut unit) = (0.0, 0.0, None);
+        let (mut velocity, mut rates, mut fresh) = (0.0, 0.0, false);
+        for drive in drives {
+            let node = nodes.get(usize::from(*drive)).filter(|it| it.counts.is_some())?;
+            sum += node.travel as f64 * f64::from(node.unit);
+            count += 1.0;
+            unit = unit.or(Some(node.unit));
+            fresh |= node.received != 0;
+            if let Some(rate) = node.velocity {
+                velocity += rate;
+                rates += 1.0;
+            }
+        }
+        let part = unit? / 256.0;
+        // The cast saturates.
+        let counts = libm::round(sum / (count * f64::from(part))) as i64;
+        let velocity = (rates > 0.0).then(|| velocity / rates);
+        Some(Self { counts, unit: part, velocity, fresh })
+    }
 }
 
 impl Master<'_> {
     /// A transmit PDO of a node.
-    // Not inline: what a caller holds in registers would be spilled in the loop.
-    #[inline(never)]
-    pub(super) fn input(&mut self, index: usize, at: usize, frame: &Frame, now: u64) {
-        let Some(table) = self.table.nodes.get(index) else { return };
-        let (Some(pdo), Some(node)) = (table.transmit.get(at), self.nodes.get_mut(index)) else {
-            return;
+    pub(super) fn input(&mut self, input: &Input<'_>, frame: &Frame, now: u64) {
+        let (index, pdo) = (usize::from(input.node), input.pdo);
+        let Some(node) = self.nodes.get_mut(index) else { return };
+        let data = match frame.data() {
+            Some(data) if frame.len() == pdo.bytes() => data,
+            _ => {
+                self.counters.malformed = self.counters.malformed.saturating_add(1);
+                return;
+            }
         };
-        let bytes = frame.bytes();
-        if bytes.len() != pdo.bytes() {
-            self.counters.malformed = self.counters.malformed.saturating_add(1);
-            return;
-        }
-        let bit = 1 << (at & 7);
         if !node.is_running() {
             return;
         }
-        if pdo.is_synchronous() && node.received & bit != 0 {
+        if node.received & input.bit != 0 && pdo.is_synchronous() {
             // The first one counts.
             self.counters.duplicate = self.counters.duplicate.saturating_add(1);
             return;
         }
-        node.received |= bit;
+        node.received |= input.bit;
         node.reported = true;
-        if let Some(expected) = self.expected.get(index)
-            && node.received & expected == *expected
-        {
+        if node.received & node.expected == node.expected {
             self.awaited &= !node_bit(index);
         }
-        let mut rest = bytes;
-        let mut invalid = 0_u8;
-        for entry in pdo.entries() {
-            let Some(raw) = next(&mut rest, entry.kind) else { break };
-            if !signal(node, table, &mut self.measurement, entry, raw) {
-                invalid = invalid.saturating_add(1);
-            }
+        let mut to = Readings { node, measurement: &mut self.measurement, invalid: 0 };
+        match pdo.reader() {
+            Some(reader) => reader(data, &mut to),
+            None => to.interpret(pdo, data),
         }
-        if self.state != crate::safety::State::Off {
-            for _ in 0..invalid {
+        for _ in 0..to.invalid {
+            if self.state != crate::safety::State::Off {
                 self.raise(Fault::SensorInvalid, Some(index), now, 0);
             }
         }
@@ -182,10 +236,10 @@ impl Master<'_> {
     }
 
     /// The inputs of this cycle; what did not come keeps its value and grows older.
-    pub fn measure(&mut self, now: u64) -> Measurement {
+    pub fn measure(&mut self, now: u64) -> &Measurement {
         self.take_inputs(now);
         self.step(now);
-        self.measurement
+        &self.measurement
     }
 
     /// Once a cycle: positions of axes, rates in the body's frame, checks.
@@ -199,121 +253,67 @@ impl Master<'_> {
         if self.table.yaw.is_some() {
             self.rotation = Rotation::of(self.measurement.yaw);
         }
-        let (mut moved, mut rates) = ([0.0; MAX_AXES], [0.0; MAX_AXES]);
-        let seconds = (self.table.timing.period_us.max(1)) as f32 * 1e-6;
-        for (at, axis) in self.table.axes.iter().enumerate() {
-            let Some(AxisReading { counts, unit, velocity, fresh }) = self.axis(axis.drives) else {
-                continue;
-            };
-            let known = self.axis_known & bit(at) != 0;
-            let cycles = self.measured_age(axis.coordinate).saturating_add(1);
-            let (Some(last), Some(moved), Some(rate)) =
-                (self.axis_counts.get_mut(at), moved.get_mut(at), rates.get_mut(at))
-            else {
-                continue;
-            };
-            *moved = if known { single(counts.wrapping_sub(*last)) * unit } else { 0.0 };
-            *last = counts;
-            *rate = velocity.unwrap_or(*moved / (seconds * f32::from(cycles.max(1))));
-            let Some(coordinate) = axis.coordinate else { continue };
-            let coordinate = usize::from(coordinate);
-            if fresh {
-                self.axis_known |= bit(at);
-                set(&mut self.measurement.velocity, coordinate, *rate);
-                self.measurement.set_position(coordinate, counts, unit);
-            }
-            let age = self.measurement.age(coordinate);
-            // Ages of measured coordinates grow below; those of axes here.
-            set(
-                &mut self.measurement.age,
-                coordinate,
-                if fresh { 0 } else { age.saturating_add(1) },
-            );
-        }
-        self.turn_back(&moved, &rates);
+        self.take_axes();
+        self.turn_back();
         self.age_sensors();
         self.check_nodes(now);
     }
 
-    fn measured_age(&self, coordinate: Option<u8>) -> u8 {
-        coordinate.map_or(0, |at| self.measurement.age(at.into()))
-    }
-
-    /// Mean position and rate of drives; `None` until all have reported.
-    fn axis(&self, drives: &[u8]) -> Option<AxisReading> {
-        let (first, others) = drives.split_first()?;
-        let lead = self.nodes.get(usize::from(*first))?;
-        lead.counts?;
-        let (mut counts, mut fresh, mut alike) = (lead.travel, lead.received != 0, true);
-        let (mut velocity, mut rates) =
-            (lead.velocity.unwrap_or(0.0), u8::from(lead.velocity.is_some()));
-        for drive in others {
-            let node = self.nodes.get(usize::from(*drive))?;
-            node.counts?;
-            match lead.own_counts(node, node.travel) {
-                Some(way) => counts = counts.saturating_add(way),
-                None => alike = false,
+    /// Positions and rates of axes.
+    fn take_axes(&mut self) {
+        let table = self.table;
+        let seconds = (table.timing.period_us.max(1)) as f32 * 1e-6;
+        for (axis, state) in table.axes.iter().zip(&mut self.axes) {
+            (state.moved, state.rate) = (0.0, 0.0);
+            let Some(reading) = AxisReading::of(&self.nodes, axis.drives) else { continue };
+            let AxisReading { counts, unit, velocity, fresh } = reading;
+            let coordinate = axis.coordinate.map(usize::from);
+            let age = coordinate.map_or(0, |at| self.measurement.age(at));
+            if state.known {
+                state.moved = single(counts.wrapping_sub(state.counts)) * unit;
             }
-            fresh |= node.received != 0;
-            if let Some(rate) = node.velocity {
-                velocity += rate;
-                rates = rates.saturating_add(1);
+            state.counts = counts;
+            state.rate = velocity
+                .unwrap_or_else(|| state.moved / (seconds * f32::from(age.saturating_add(1))));
+            let Some(coordinate) = coordinate else { continue };
+            if fresh {
+                state.known = true;
+                self.measurement.set_velocity(coordinate, state.rate);
+                self.measurement.set_position(coordinate, counts, unit);
+                self.measurement.set_age(coordinate, 0);
+            } else {
+                // Ages of measured coordinates grow below; those of axes here.
+                self.measurement.set_age(coordinate, age.saturating_add(1));
             }
         }
-        let velocity = match rates {
-            0 => None,
-            1 => Some(velocity),
-            _ => Some(velocity / f32::from(rates)),
-        };
-        let (counts, unit) = match others.len() {
-            0 => (counts, lead.unit),
-            1 if alike => (counts, lead.unit * 0.5),
-            _ => self.mean(drives, lead.unit),
-        };
-        Some(AxisReading { counts, unit, velocity, fresh })
-    }
-
-    /// Mean position of more than two drives, or of drives whose counts have several sizes: in small parts
-    /// of a count.
-    #[cold]
-    fn mean(&self, drives: &[u8], unit: f32) -> (i64, f32) {
-        let nodes = drives.iter().filter_map(|drive| self.nodes.get(usize::from(*drive)));
-        let (sum, count) = nodes.fold((0.0, 0.0), |(sum, count), node| {
-            (sum + node.travel as f64 * f64::from(node.unit), count + 1.0)
-        });
-        let part = unit / 256.0;
-        // The cast saturates.
-        (libm::round(sum / (count * f64::from(part))) as i64, part)
     }
 
     /// Rates and displacements in the drive unit's plane, turned into the body's frame, then integrated.
-    fn turn_back(&mut self, moved: &[f32; MAX_AXES], rates: &[f32; MAX_AXES]) {
+    fn turn_back(&mut self) {
         let Some(yaw) = &self.table.yaw else { return };
-        let [x, y] = yaw.plane;
-        let coordinate = |axis: u8| self.table.axes.get(usize::from(axis))?.coordinate;
-        let (Some(to_x), Some(to_y)) = (coordinate(x), coordinate(y)) else { return };
-        let at = |values: &[f32; MAX_AXES], axis: u8| {
-            values.get(usize::from(axis)).copied().unwrap_or(0.0)
-        };
-        let rate = self.rotation.into_body([at(rates, x), at(rates, y)]);
-        let step = self.rotation.into_body([at(moved, x), at(moved, y)]);
+        let plane = yaw.plane.map(usize::from);
+        let [to_x, to_y] = plane.map(|axis| self.table.axes.get(axis)?.coordinate);
+        let (Some(to_x), Some(to_y)) = (to_x, to_y) else { return };
+        let [x, y] = plane.map(|axis| self.axes.get(axis).unwrap_or(&AxisState::NEW));
+        let rate = self.rotation.into_body([x.rate, y.rate]);
+        let step = self.rotation.into_body([x.moved, y.moved]);
         for ((to, rate), (step, sum)) in
             [to_x, to_y].into_iter().zip(rate).zip(step.into_iter().zip(&mut self.plane))
         {
-            *sum = sum.saturating_add(parts(step));
+            *sum = sum.wrapping_add(parts(step));
             self.measurement.set_position(to.into(), *sum, PART);
-            set(&mut self.measurement.velocity, to.into(), rate);
+            self.measurement.set_velocity(to.into(), rate);
         }
     }
 
     /// What sensors did not send in this cycle grows older.
     fn age_sensors(&mut self) {
-        for sensed in self.sensed.iter().flatten() {
+        for sensed in self.sensed.iter().map_while(Option::as_ref) {
             let node = self.nodes.get(usize::from(sensed.node));
             if node.is_some_and(|node| node.received & sensed.pdo == 0) {
                 let index = usize::from(sensed.coordinate);
                 let age = self.measurement.age(index).saturating_add(1);
-                set(&mut self.measurement.age, index, age);
+                self.measurement.set_age(index, age);
             }
         }
     }
@@ -331,11 +331,6 @@ impl Master<'_> {
     }
 }
 
-/// A bit for an axis.
-fn bit(axis: usize) -> u8 {
-    u32::try_from(axis).ok().and_then(|axis| 1_u8.checked_shl(axis)).unwrap_or(0)
-}
-
 /// Displacements in the plane are added up in these parts, 2⁻⁴⁰ of a metre or radian.
 const PART: f32 = 1.0 / (ROUGH * ROUGH);
 
@@ -349,65 +344,6 @@ fn parts(step: f32) -> i64 {
     let rough = scaled as i32;
     let rest = ((scaled - rough as f32) * ROUGH) as i32;
     (i64::from(rough) << 20) + i64::from(rest)
-}
-
-/// Takes a number of a node; `false` if it is the one that stands for no value.
-#[inline(always)]
-fn signal(
-    node: &mut NodeState,
-    table: &NodeTable<'_>,
-    measurement: &mut Measurement,
-    entry: &Entry,
-    raw: u32,
-) -> bool {
-    let value = || entry.kind.single(raw) * entry.scale;
-    match entry.signal {
-        Signal::Statusword => node.set_statusword(raw as u16),
-        Signal::ModeDisplay => node.set_mode(raw as i8, table),
-        Signal::ErrorRegister => node.error_register = raw as u8,
-        Signal::Position => position(node, entry, raw),
-        Signal::Velocity => node.velocity = Some(value()),
-        Signal::ActualTorque => node.torque = value(),
-        Signal::Health => node.health = raw as u8,
-        Signal::LegsState => node.legs = Some(LegsState(raw as u8)),
-        Signal::Sequence => {
-            let sequence = raw as u8;
-            let same = node.sequence == Some(sequence);
-            node.stale = if same { node.stale.saturating_add(1) } else { 0 };
-            node.sequence = Some(sequence);
-        }
-        Signal::Coordinate(_)
-        | Signal::Rate(_)
-        | Signal::Heading
-        | Signal::HeadingRate
-        | Signal::Yaw
-            if entry.kind.lowest() == Some(raw) =>
-        {
-            return false;
-        }
-        Signal::Coordinate(at) => {
-            measurement.set_position(at.into(), entry.kind.value(raw), entry.scale);
-            set(&mut measurement.age, at.into(), 0);
-        }
-        Signal::Rate(at) => set(&mut measurement.velocity, at.into(), value()),
-        Signal::Heading => measurement.heading = value(),
-        Signal::HeadingRate => measurement.heading_rate = value(),
-        Signal::Yaw => measurement.yaw = value(),
-        Signal::Gap | Signal::Controlword | Signal::Mode | Signal::Torque | Signal::LegsCommand => {
-        }
-    }
-    true
-}
-
-/// Adds what the position object went since it last came, across its own wrap.
-fn position(node: &mut NodeState, entry: &Entry, raw: u32) {
-    let step = match node.counts {
-        None => entry.kind.value(raw),
-        Some(last) => entry.kind.way(last, raw).into(),
-    };
-    node.counts = Some(raw);
-    node.unit = entry.scale;
-    node.travel = node.travel.saturating_add(step);
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::Master;
 use crate::id::{NMT, SYNC};
-use crate::table::{DriveTable, MAX_BUSES, MAX_NODES};
+use crate::table::{DriveTable, MAX_BUSES, MAX_NODES, Pdo};
 
 /// Transmit PDOs of all nodes.
 const MAX_INPUTS: usize = 4 * MAX_NODES;
@@ -10,22 +10,30 @@ const MAX_INPUTS: usize = 4 * MAX_NODES;
 /// Places of [`Inputs`]: twice as many as there are inputs, so that few share one.
 const PLACES: usize = 2 * MAX_INPUTS;
 
-/// Node and PDO of each identifier: a hash table.
+/// A transmit PDO.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Inputs {
-    /// Key, node, PDO.
-    places: [(u16, u8, u8); PLACES],
+pub(super) struct Input<'a> {
+    key: u16,
+    /// Index of its node.
+    pub(super) node: u8,
+    /// Its bit among those of its node.
+    pub(super) bit: u8,
+    pub(super) pdo: &'a Pdo,
 }
 
-impl Inputs {
-    /// No key: buses are fewer.
-    const EMPTY: u16 = u16::MAX;
+/// The transmit PDO of each identifier: a hash table.
+#[derive(Clone, Debug)]
+pub(super) struct Inputs<'a> {
+    places: [Option<Input<'a>>; PLACES],
+}
 
-    pub(super) fn of(table: &DriveTable<'_>) -> Self {
-        let mut own = Self { places: [(Self::EMPTY, 0, 0); PLACES] };
+impl<'a> Inputs<'a> {
+    pub(super) fn of(table: &DriveTable<'a>) -> Self {
+        let mut own = Self { places: [None; PLACES] };
         for (node, index) in table.nodes.iter().take(MAX_NODES).zip(0..) {
-            for (pdo, at) in node.transmit.iter().take(MAX_INPUTS / MAX_NODES).zip(0..) {
-                own.insert(key(node.bus, pdo.cob_id), index, at);
+            for (pdo, at) in node.transmit.iter().take(MAX_INPUTS / MAX_NODES).zip(0..8) {
+                let key = key(node.bus, pdo.cob_id);
+                own.insert(Input { key, node: index, bit: 1 << at, pdo });
             }
         }
         own
@@ -38,30 +46,28 @@ impl Inputs {
     }
 
     /// The first of several with one key stays.
-    fn insert(&mut self, key: u16, node: u8, pdo: u8) {
+    fn insert(&mut self, input: Input<'a>) {
         for attempt in 0..PLACES {
-            let Some(place) = self.places.get_mut(Self::place(key, attempt)) else { return };
-            if place.0 == key {
-                return;
-            }
-            if place.0 == Self::EMPTY {
-                *place = (key, node, pdo);
-                return;
+            let Some(place) = self.places.get_mut(Self::place(input.key, attempt)) else { return };
+            match place {
+                None => {
+                    *place = Some(input);
+                    return;
+                }
+                Some(other) if other.key == input.key => return,
+                Some(_) => {}
             }
         }
     }
 
-    /// Node and PDO.
-    pub(super) fn find(&self, bus: usize, id: u16) -> Option<(usize, usize)> {
+    #[inline(always)]
+    pub(super) fn find(&self, bus: usize, id: u16) -> Option<Input<'a>> {
         let bus = u8::try_from(bus).ok().filter(|bus| usize::from(*bus) < MAX_BUSES)?;
         let wanted = key(bus, id);
         for attempt in 0..PLACES {
-            let (key, node, pdo) = *self.places.get(Self::place(wanted, attempt))?;
-            if key == wanted {
-                return Some((node.into(), pdo.into()));
-            }
-            if key == Self::EMPTY {
-                return None;
+            let input = (*self.places.get(Self::place(wanted, attempt))?)?;
+            if input.key == wanted {
+                return Some(input);
             }
         }
         None

@@ -6,6 +6,7 @@ mod inputs;
 mod lookup;
 mod node;
 mod outputs;
+mod readings;
 mod transition;
 
 use crate::fault::{Fault, Faults};
@@ -15,13 +16,16 @@ use crate::jitter::Jitter;
 use crate::legs::LegsState;
 use crate::safety::{Request, State};
 use crate::table::{
-    DriveTable, MAX_AXES, MAX_COMMANDS, MAX_COORDINATES, MAX_ENTRIES, MAX_NODES, Pdo, Role, Signal,
+    DriveTable, Field, MAX_AXES, MAX_COMMANDS, MAX_COORDINATES, MAX_ENTRIES, MAX_NODES, Role,
+    Signal,
 };
 use crate::yaw::{HeadingHold, Rotation};
+use inputs::AxisState;
 pub use inputs::Measurement;
 use lookup::Inputs;
 use node::NodeState;
-pub use outputs::Command;
+pub use outputs::{Command, Outputs, Writer};
+pub use readings::{Count, Reader, Readings};
 
 /// Where frames go: index of the bus, frame.
 pub(crate) type Send<'s> = &'s mut dyn FnMut(usize, Frame);
@@ -66,14 +70,14 @@ pub struct Counters {
 pub struct Master<'a> {
     table: &'a DriveTable<'a>,
     nodes: [NodeState; MAX_NODES],
-    /// PDOs of each node that come each cycle, a bit each.
-    expected: [u8; MAX_NODES],
     /// Whose inputs are whose.
-    inputs: Inputs,
+    inputs: Inputs<'a>,
     /// Index of the legs.
     legs: Option<u8>,
     /// Commands that are sent when their content changes, a bit each.
     events: u32,
+    /// Bytes of each command.
+    lengths: [u8; MAX_COMMANDS],
     /// Smallest torque limit of each axis' drives, counts.
     torque_limit: [i32; MAX_AXES],
     /// Running nodes of which an input of this cycle is missing yet, a bit each.
@@ -82,7 +86,7 @@ pub struct Master<'a> {
     synchronised: u16,
     /// A node may have missed inputs in the cycle before.
     missing: bool,
-    /// Coordinates that sensors measure.
+    /// Coordinates that sensors measure, from the first on.
     sensed: [Option<Sensed>; MAX_COORDINATES],
     /// No node is being set up.
     settled: bool,
@@ -91,6 +95,8 @@ pub struct Master<'a> {
     state: State,
     entered: u64,
     faults: Faults,
+    /// A fault was raised since the last step.
+    raised: bool,
     failed_step: Option<(u8, u16)>,
     request: Option<Request>,
     plan_ready: bool,
@@ -109,8 +115,7 @@ pub struct Master<'a> {
     silent: u8,
     measurement: Measurement,
     rotation: Rotation,
-    /// Mean travel of each axis' drives, counts.
-    axis_counts: [i64; MAX_AXES],
+    axes: [AxisState; MAX_AXES],
     heading: Option<HeadingHold>,
     target: f32,
     /// Forces of the axes as applied, in the drive unit's frame, N·m or N.
@@ -118,10 +123,10 @@ pub struct Master<'a> {
     /// The same as counts of each drive's torque object.
     counts: [i32; MAX_AXES],
     sent: [Option<[u8; 8]>; MAX_COMMANDS],
+    /// State and cycle in which frames outside of the cycle were last looked at.
+    events_seen: (State, u32),
     /// Frames outside of the cycle that may still be sent in it.
     event_budget: u8,
-    /// Axes whose position came at least once, a bit each.
-    axis_known: u8,
     /// Positions in the drive unit's plane, integrated in the body's frame, in small parts.
     plane: [i64; 2],
 }
@@ -141,17 +146,13 @@ impl<'a> Master<'a> {
     /// A master that has not sent anything yet. The first [`Self::poll`] resets all nodes.
     #[must_use]
     pub fn new(table: &'a DriveTable<'a>) -> Self {
-        let mut expected = [0; MAX_NODES];
-        for (mask, node) in expected.iter_mut().zip(table.nodes) {
-            *mask = synchronous(node.transmit);
-        }
         Self {
             table,
             nodes: [NodeState::NEW; MAX_NODES],
-            expected,
             inputs: Inputs::of(table),
             legs: legs_of(table),
             events: events_of(table),
+            lengths: core::array::from_fn(|at| length_of(table, at)),
             torque_limit: core::array::from_fn(|at| torque_limit_of(table, at)),
             awaited: 0,
             synchronised: 0,
@@ -162,6 +163,7 @@ impl<'a> Master<'a> {
             state: State::Off,
             entered: 0,
             faults: Faults::default(),
+            raised: false,
             failed_step: None,
             request: None,
             plan_ready: false,
@@ -177,14 +179,14 @@ impl<'a> Master<'a> {
             silent: 0,
             measurement: Measurement::default(),
             rotation: Rotation::IDENTITY,
-            axis_counts: [0; MAX_AXES],
+            axes: [AxisState::NEW; MAX_AXES],
             heading: None,
             target: 0.0,
             applied: [0.0; MAX_AXES],
             counts: [0; MAX_AXES],
             sent: [None; MAX_COMMANDS],
+            events_seen: (State::Off, 0),
             event_budget: 1,
-            axis_known: 0,
             plane: [0; 2],
         }
     }
@@ -192,10 +194,8 @@ impl<'a> Master<'a> {
     /// Takes a frame that was received on a bus. A fault acts at once, all else at the next
     /// [`Self::poll`].
     pub fn receive(&mut self, bus: usize, frame: &Frame, now: u64) {
-        let faults = |master: &Self| (master.faults.bits(), master.faults.prevents_balance());
-        let before = faults(self);
         self.take(bus, frame, now);
-        if faults(self) != before {
+        if self.raised {
             self.step(now);
         }
     }
@@ -206,8 +206,8 @@ impl<'a> Master<'a> {
             self.counters.malformed = self.counters.malformed.saturating_add(1);
             return;
         };
-        if let Some((index, pdo)) = self.inputs.find(bus, id) {
-            self.input(index, pdo, frame, now);
+        if let Some(input) = self.inputs.find(bus, id) {
+            self.input(&input, frame, now);
             return;
         }
         let node = |id| self.node_index(bus, id);
@@ -240,7 +240,10 @@ impl<'a> Master<'a> {
             self.begin_cycle(now, out);
         }
         self.step(now);
-        self.send_events(out);
+        // What they hold depends on these, and on what is sent with the torques.
+        if self.events_seen != (self.state, self.counters.cycles) {
+            self.send_events(out);
+        }
     }
 
     /// When [`Self::poll`] has something to do at the latest, µs.
@@ -365,12 +368,6 @@ impl<'a> Master<'a> {
     }
 }
 
-/// The PDOs that come each cycle, a bit each.
-fn synchronous(pdos: &[Pdo]) -> u8 {
-    let bits = pdos.iter().zip(0..8).filter(|(pdo, _)| pdo.transmission == 1);
-    bits.fold(0, |mask, (_, bit)| mask | 1 << bit)
-}
-
 fn legs_of(table: &DriveTable<'_>) -> Option<u8> {
     (0..).zip(table.nodes).find(|(_, node)| node.role == Role::Legs).map(|(index, _)| index)
 }
@@ -378,6 +375,12 @@ fn legs_of(table: &DriveTable<'_>) -> Option<u8> {
 fn events_of(table: &DriveTable<'_>) -> u32 {
     let events = table.commands.iter().zip(0..32).filter(|(command, _)| !command.cyclic);
     events.fold(0, |mask, (_, bit)| mask | 1 << bit)
+}
+
+fn length_of(table: &DriveTable<'_>, command: usize) -> u8 {
+    let fields = table.commands.get(command).map_or(&[][..], |command| command.fields);
+    let bytes = |sum: usize, field: &Field| sum.saturating_add(field.kind.bytes());
+    fields.iter().fold(0, bytes).min(8) as u8
 }
 
 fn torque_limit_of(table: &DriveTable<'_>, axis: usize) -> i32 {

@@ -3,7 +3,7 @@
 use crate::cia402;
 use crate::legs::LegsState;
 use crate::sdo::{self, Answer};
-use crate::table::{NodeTable, Role, SdoStep};
+use crate::table::{NodeTable, Pdo, Role, SdoStep};
 
 /// Set-up of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,9 +51,16 @@ pub(super) struct NodeState {
     /// State of a drive by its statusword; nonsense counts as a fault.
     pub(super) drive_state: cia402::State,
     pub(super) mode: i8,
-    /// The mode is that of the table.
+    /// The mode that it is to be in.
+    wanted_mode: Option<i8>,
+    /// The mode is that one.
     pub(super) is_in_mode: bool,
     pub(super) error_register: u8,
+    is_drive: bool,
+    /// It is a drive of which no state of the master has to complain.
+    pub(super) is_sound_drive: bool,
+    /// PDOs that come each cycle, a bit each.
+    pub(super) expected: u8,
     /// Fault reset is under way: cycles for which bit 7 may stay set.
     pub(super) reset_cycles: u8,
     pub(super) controlword: u16,
@@ -87,8 +94,12 @@ impl NodeState {
         statusword: 0,
         drive_state: cia402::State::NotReady,
         mode: 0,
+        wanted_mode: None,
         is_in_mode: false,
         error_register: 0,
+        is_drive: false,
+        is_sound_drive: false,
+        expected: 0,
         reset_cycles: 0,
         controlword: 0,
         counts: None,
@@ -126,11 +137,56 @@ impl NodeState {
         matches!(self.phase, Phase::Running)
     }
 
+    /// Since its last heartbeat, µs.
+    pub(super) fn silence(&self, now: u64) -> u32 {
+        u32::try_from(now.saturating_sub(self.heard)).unwrap_or(u32::MAX)
+    }
+
+    /// Whether there may be something to complain of: the state of the master decides.
+    pub(super) fn is_suspect(&self) -> bool {
+        let faulty = self.legs.is_some_and(LegsState::is_faulty);
+        let unsound = self.is_drive != self.is_sound_drive;
+        self.is_running() && (unsound || self.health | self.stale != 0 || faulty)
+    }
+
     pub(super) fn set_statusword(&mut self, word: u16) {
         if word != self.statusword {
+            self.statusword = word;
             self.drive_state = cia402::State::of(word).unwrap_or(cia402::State::Fault);
+            self.judge_drive();
         }
-        self.statusword = word;
+    }
+
+    pub(super) fn set_mode(&mut self, mode: i8) {
+        if mode != self.mode {
+            self.mode = mode;
+            self.is_in_mode = self.wanted_mode.is_none_or(|wanted| wanted == mode);
+            self.judge_drive();
+        }
+    }
+
+    pub(super) fn set_error_register(&mut self, register: u8) {
+        if register != self.error_register {
+            self.error_register = register;
+            self.judge_drive();
+        }
+    }
+
+    #[cold]
+    fn judge_drive(&mut self) {
+        self.is_sound_drive = self.is_drive
+            && self.drive_state == cia402::State::OperationEnabled
+            && self.error_register & 1 == 0
+            && self.is_in_mode;
+    }
+
+    /// Whether a drive is alive, enabled and in its mode.
+    #[inline(always)]
+    pub(super) fn obeys(&self, missed_fault: u8) -> bool {
+        self.is_running()
+            && self.missed < missed_fault
+            && self.drive_state == cia402::State::OperationEnabled
+            && self.is_in_mode
     }
 
     /// Whether a node is set up, alive and sound, and a drive can be enabled or is.
@@ -153,24 +209,17 @@ impl NodeState {
         heard && sound
     }
 
-    /// Whether it is a drive of which no state of the master has to complain.
-    pub(super) fn is_sound_drive(&self, table: &NodeTable<'_>) -> bool {
-        table.role == Role::Drive
-            && self.drive_state == cia402::State::OperationEnabled
-            && self.error_register & 1 == 0
-            && self.is_in_mode
-    }
-
-    pub(super) fn set_mode(&mut self, mode: i8, table: &NodeTable<'_>) {
-        if mode != self.mode {
-            self.is_in_mode = fits(mode, table);
-        }
-        self.mode = mode;
-    }
-
     /// A node that was just started.
     pub(super) fn started(now: u64, table: &NodeTable<'_>) -> Self {
-        Self { heard: now, is_in_mode: fits(Self::NEW.mode, table), ..Self::NEW }
+        let wanted_mode = table.motor.as_ref().map(|motor| motor.mode);
+        Self {
+            heard: now,
+            wanted_mode,
+            is_in_mode: wanted_mode.is_none_or(|wanted| wanted == Self::NEW.mode),
+            is_drive: table.role == Role::Drive,
+            expected: synchronous(table.transmit),
+            ..Self::NEW
+        }
     }
 
     /// What an SDO answer means for the step that was asked.
@@ -185,9 +234,10 @@ impl NodeState {
     }
 }
 
-/// Whether a mode is that of the table.
-fn fits(mode: i8, table: &NodeTable<'_>) -> bool {
-    table.motor.as_ref().is_none_or(|motor| motor.mode == mode)
+/// The PDOs that come each cycle, a bit each.
+fn synchronous(pdos: &[Pdo]) -> u8 {
+    let bits = pdos.iter().zip(0..8).filter(|(pdo, _)| pdo.transmission == 1);
+    bits.fold(0, |mask, (_, bit)| mask | 1 << bit)
 }
 
 /// In single precision, by the instruction for 32 bits: exactly rounded for numbers of that size, within

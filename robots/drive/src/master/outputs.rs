@@ -6,8 +6,45 @@ use crate::cia402::{self, Goal};
 use crate::fault::Fault;
 use crate::frame::Frame;
 use crate::legs::LegsCommand;
-use crate::table::{AxisTable, CommandTable, MAX_AXES, Role, Source, YawTable};
+use crate::table::{AxisTable, CommandTable, MAX_AXES, MAX_NODES, Role, Source, YawTable};
 use crate::yaw::HeadingHold;
+
+/// Straight-line code that fills the bytes of one frame, in their order; what is behind them is zero.
+///
+/// `shapebot-drive-build` writes one for each frame of the master; without one the master goes through
+/// the frame's fields, with the same result.
+pub type Writer = fn(&Outputs<'_>) -> [u8; 8];
+
+/// What the master puts into its frames: see [`Source`] for each.
+#[derive(Clone, Copy, Debug)]
+pub struct Outputs<'m> {
+    nodes: &'m [NodeState; MAX_NODES],
+    counts: &'m [i32; MAX_AXES],
+    legs: LegsCommand,
+}
+
+impl Outputs<'_> {
+    /// [`Source::Controlword`] of a node, by its index.
+    #[inline(always)]
+    #[must_use]
+    pub fn controlword(&self, node: usize) -> u16 {
+        self.nodes.get(node).map_or(0, |state| state.controlword)
+    }
+
+    /// [`Source::Torque`] of an axis, by its index: counts of each drive's torque object.
+    #[inline(always)]
+    #[must_use]
+    pub fn torque(&self, axis: usize) -> i32 {
+        self.counts.get(axis).copied().unwrap_or(0)
+    }
+
+    /// [`Source::Legs`].
+    #[inline(always)]
+    #[must_use]
+    pub fn legs_command(&self) -> u8 {
+        self.legs as u8
+    }
+}
 
 /// What the controller wants.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +62,13 @@ impl Command {
             *to = *from;
         }
         Self { forces: own }
+    }
+
+    /// The same of as many forces as there may be.
+    #[inline(always)]
+    #[must_use]
+    pub const fn from_forces(forces: [f32; MAX_AXES]) -> Self {
+        Self { forces }
     }
 
     fn of(&self, axis: &AxisTable<'_>) -> f32 {
@@ -124,38 +168,23 @@ impl Master<'_> {
     /// Clamp, slew, counts. An axis with a lost drive gets nothing.
     fn apply(&mut self, forces: &[f32; MAX_AXES]) {
         let seconds = self.table.timing.period_us as f32 * 1e-6;
-        for (at, axis) in self.table.axes.iter().enumerate() {
-            let (Some(wanted), Some(last)) =
-                (forces.get(at).copied(), self.applied.get(at).copied())
-            else {
-                continue;
-            };
+        let missed_fault = self.table.timing.missed_fault;
+        let (axes, nodes) = (self.table.axes.iter().zip(&self.torque_limit), &self.nodes);
+        let outputs = self.applied.iter_mut().zip(&mut self.counts);
+        for (((axis, limit), wanted), (applied, counts)) in axes.zip(forces).zip(outputs) {
             let step = axis.slew * seconds;
-            let clamped = within(wanted, -axis.limit, axis.limit);
-            let slewed = within(clamped, last - step, last + step);
-            if slewed != wanted {
+            let clamped = within(*wanted, -axis.limit, axis.limit);
+            let slewed = within(clamped, *applied - step, *applied + step);
+            if slewed != *wanted {
                 self.counters.limited = self.counters.limited.saturating_add(1);
             }
-            let lost = axis.drives.iter().any(|drive| !self.obeys(*drive));
-            let force = if lost || !slewed.is_finite() { 0.0 } else { slewed };
-            let limit = self.torque_limit.get(at).copied().unwrap_or(0);
-            let counts = rounded(force * axis.counts_per_force).max(-limit).min(limit);
-            if let (Some(place), Some(count)) = (self.applied.get_mut(at), self.counts.get_mut(at))
-            {
-                *place = force;
-                *count = counts;
-            }
+            let obeys = |drive: &u8| {
+                nodes.get(usize::from(*drive)).is_some_and(|node| node.obeys(missed_fault))
+            };
+            let obeyed = axis.drives.iter().all(obeys) && slewed.is_finite();
+            *applied = if obeyed { slewed } else { 0.0 };
+            *counts = rounded(*applied * axis.counts_per_force).max(-*limit).min(*limit);
         }
-    }
-
-    /// Whether a drive is alive, enabled and in its mode.
-    fn obeys(&self, drive: u8) -> bool {
-        let index = usize::from(drive);
-        let Some(node) = self.nodes.get(index) else { return false };
-        node.is_running()
-            && node.missed < self.table.timing.missed_fault
-            && node.drive_state == cia402::State::OperationEnabled
-            && node.is_in_mode
     }
 
     /// No torque, from the next frame on.
@@ -188,15 +217,18 @@ impl Master<'_> {
     /// The frames of each cycle.
     pub(super) fn send_cyclic(&mut self, out: Send<'_>) {
         self.update_controlwords();
-        for command in self.table.commands.iter().filter(|command| command.cyclic) {
-            let (bytes, len) = self.content(command);
-            send(command, bytes, len, out);
+        let outputs = self.outputs();
+        for (command, len) in self.table.commands.iter().zip(&self.lengths) {
+            if command.cyclic {
+                send(command, self.content(command, &outputs), *len, out);
+            }
         }
     }
 
     /// Frames that are sent when their content changes, and each [`crate::REPEAT_CYCLES`] cycles: one on
     /// a bus in a cycle, but the legs' at once.
     pub(super) fn send_events(&mut self, out: Send<'_>) {
+        self.events_seen = (self.state, self.counters.cycles);
         if self.events == 0 {
             return;
         }
@@ -209,56 +241,66 @@ impl Master<'_> {
         while left != 0 {
             let at = left.trailing_zeros() as usize;
             left &= left.wrapping_sub(1);
-            let Some(command) = table.commands.get(at) else { continue };
-            let (bytes, len) = self.content(command);
-            let known = self.sent.get(at).copied().flatten();
+            let (Some(command), Some(len)) = (table.commands.get(at), self.lengths.get(at)) else {
+                continue;
+            };
+            let bytes = self.content(command, &self.outputs());
+            let changed = self.sent.get(at).copied().flatten() != Some(bytes);
+            let may = self.event_budget > 0;
+            if !changed && !(may && turn == at) {
+                continue;
+            }
             let legs = command.fields.iter().any(|field| field.source == Source::Legs);
-            let changed = known != Some(bytes);
-            let repeated = turn == at && self.event_budget > 0;
-            if (changed && legs) || repeated || (changed && self.event_budget > 0) {
+            if may || legs {
                 self.event_budget = if legs && changed { self.event_budget } else { 0 };
+                send(command, bytes, *len, out);
                 if let Some(place) = self.sent.get_mut(at) {
                     *place = Some(bytes);
                 }
-                send(command, bytes, len, out);
             }
         }
     }
 
-    /// What a frame holds, and how much of it. What is after the eighth byte is cut off.
+    const fn outputs(&self) -> Outputs<'_> {
+        let retract = self.state.retracts_legs();
+        let legs = if retract { LegsCommand::Retract } else { LegsCommand::Lower };
+        Outputs { nodes: &self.nodes, counts: &self.counts, legs }
+    }
+
+    /// What a frame holds. What is after the eighth byte is cut off.
     #[inline(always)]
-    fn content(&self, command: &CommandTable<'_>) -> ([u8; 8], u8) {
+    fn content(&self, command: &CommandTable<'_>, outputs: &Outputs<'_>) -> [u8; 8] {
+        match command.writer {
+            Some(writer) => writer(outputs),
+            None => self.interpreted(command, outputs),
+        }
+    }
+
+    /// As the fields of a frame say.
+    #[inline(never)]
+    fn interpreted(&self, command: &CommandTable<'_>, outputs: &Outputs<'_>) -> [u8; 8] {
         // A word can begin at each byte of the frame. What it writes behind its field is zero.
         let (mut bytes, mut used) = ([0; 12], 0_usize);
         for field in command.fields {
-            let encoded = field.kind.encode_short(self.value(field.source));
+            let value = match field.source {
+                Source::Zero => 0,
+                Source::Controlword { node } => outputs.controlword(node.into()).into(),
+                Source::Mode { node } => {
+                    let table = self.table.nodes.get(usize::from(node));
+                    let motor = table.and_then(|table| table.motor.as_ref());
+                    motor.map_or(0, |motor| motor.mode.into())
+                }
+                Source::Torque { axis, sign } => {
+                    outputs.torque(axis.into()).saturating_mul(sign.into())
+                }
+                Source::Legs => outputs.legs_command().into(),
+            };
             let rest = bytes.get_mut(used..).and_then(<[u8]>::first_chunk_mut);
             let Some(place) = rest else { break };
-            *place = encoded.to_le_bytes();
+            *place = field.kind.low_bytes(value);
             used = used.saturating_add(field.kind.bytes());
         }
-        (bytes.first_chunk().copied().unwrap_or_default(), used.min(8) as u8)
-    }
-
-    fn value(&self, source: Source) -> i32 {
-        match source {
-            Source::Zero => 0,
-            Source::Controlword { node } => {
-                self.nodes.get(usize::from(node)).map_or(0, |state| state.controlword.into())
-            }
-            Source::Mode { node } => {
-                let table = self.table.nodes.get(usize::from(node));
-                table.and_then(|table| table.motor.as_ref()).map_or(0, |motor| motor.mode.into())
-            }
-            Source::Torque { axis, sign } => {
-                self.torque_counts(axis.into()).saturating_mul(sign.into())
-            }
-            Source::Legs => {
-                let retract = self.state.retracts_legs();
-                let command = if retract { LegsCommand::Retract } else { LegsCommand::Lower };
-                command as i32
-            }
-        }
+        bytes.first_chunk().copied().unwrap_or_default()
     }
 }
 

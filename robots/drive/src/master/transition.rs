@@ -11,6 +11,7 @@ impl Master<'_> {
     pub(super) fn raise(&mut self, fault: Fault, node: Option<usize>, now: u64, detail: u32) {
         let node = node.and_then(|node| u8::try_from(node).ok());
         self.faults.add(FaultRecord { fault, node, at_us: now, detail });
+        self.raised = true;
         if fault.prevents_balance() && node.is_none_or(|node| self.is_essential(node)) {
             self.faults.prevent_balance();
         }
@@ -30,6 +31,10 @@ impl Master<'_> {
 
     /// One step of the safety logic.
     pub(super) fn step(&mut self, now: u64) {
+        self.raised = false;
+        if self.request.is_none() && !self.faults.any() && !self.finished && self.state.lasts() {
+            return;
+        }
         let inputs = self.safety_inputs(now);
         let next = self.state.next(&inputs);
         self.request = None;

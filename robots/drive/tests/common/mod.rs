@@ -211,7 +211,7 @@ impl<'a> Run<'a> {
         let mut out = Vec::new();
         self.master.poll(now, &mut |bus, frame| out.push((bus, frame)));
         if self.master.inputs_due(now) {
-            self.last = self.master.measure(now);
+            self.last = *self.master.measure(now);
             if !self.is_silent {
                 let command = Command::new(&self.forces);
                 self.master.command(&command, now, &mut |bus, frame| out.push((bus, frame)));
