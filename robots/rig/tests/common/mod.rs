@@ -1,6 +1,8 @@
 //! Bundled drives, robots and tasks.
 #![allow(dead_code, reason = "each test uses its part")]
 
+pub(crate) mod wire;
+
 use nalgebra::{SMatrix, SVector};
 use shapebot_control::Gains;
 use shapebot_drive_build::{DriveDescription, Source};
