@@ -114,7 +114,10 @@ pub fn stuffed<F: Frame>(frame: &F) -> Vec<bool> {
 /// Number of stuff bits in a frame.
 #[must_use]
 pub fn stuff_bits<F: Frame>(frame: &F) -> u32 {
-    let region = stuffed_region(frame);
+    stuff_bits_of(stuffed_region(frame))
+}
+
+fn stuff_bits_of(region: Sequence) -> u32 {
     let (mut last, mut run, mut count) = (true, 0, 0);
     for bit in region.iter() {
         run = if bit == last { run + 1 } else { 1 };
@@ -131,7 +134,8 @@ pub fn stuff_bits<F: Frame>(frame: &F) -> u32 {
 /// Bits from start of frame to the end of frame, stuffing included, intermission not.
 #[must_use]
 pub fn frame_bits<F: Frame>(frame: &F) -> u32 {
-    stuffed_region(frame).length + stuff_bits(frame) + TAIL_BITS
+    let region = stuffed_region(frame);
+    region.length + stuff_bits_of(region) + TAIL_BITS
 }
 
 /// Bits that a frame takes of the bus: stuffing and intermission included.

@@ -67,7 +67,7 @@ fn compiled_and_interpreted_robots_agree_with_exact_states() {
     let here = tempfile::tempdir().unwrap();
     let folder = root().join("tests/reference/dynamics");
     let Ok(files) = std::fs::read_dir(&folder) else {
-        return skip("no reference data in tests/reference");
+        return skip("reference", "no reference data in tests/reference");
     };
     for path in files.map(|entry| entry.unwrap().path()) {
         let stem = path.file_stem().unwrap().to_string_lossy().into_owned();

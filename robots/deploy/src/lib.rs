@@ -9,6 +9,7 @@
 //! | `can/` | DBC file of each bus, bus load, set-up of the nodes |
 //! | `model/`, `drive/` | the two texts that all of it was made from |
 //! | `README.md` | wiring, bus load, how to bring the robot up |
+//! | `LICENSE-MIT`, `LICENSE-APACHE` | licences of the runtime crates, of which one may be chosen |
 //!
 //! The files are a pure function of the request: no time, no path and no order of a map gets into them.
 //! Nothing refers to anything outside of the folder but crates.io, at versions that are pinned.

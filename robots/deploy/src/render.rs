@@ -58,6 +58,8 @@ pub(crate) fn add(
     files.add("src/dynamics.rs", derived.module.text.as_str());
     files.add("src/drive.rs", description.rust());
     files.add("tests/recorded.rs", include_str!("../templates/recorded.rs"));
+    files.add("LICENSE-MIT", include_str!("../LICENSE-MIT"));
+    files.add("LICENSE-APACHE", include_str!("../LICENSE-APACHE"));
     files.add("can/load.txt", description.report());
     files.add("can/setup.txt", description.setup_text());
     for (index, bus) in description.buses.iter().enumerate() {

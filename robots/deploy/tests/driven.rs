@@ -4,6 +4,7 @@
 mod common;
 
 use common::{build_folder, cargo, deployed_on};
+use shapebot_bus::serial::Serial;
 use shapebot_deploy::Target;
 use shapebot_drive::operator::Order;
 use shapebot_drive::safety::{Request, State};
@@ -137,6 +138,9 @@ fn plan(robot: &Robot) -> Vec<u8> {
 
 #[test]
 fn the_deployed_program_balances_and_drives_a_simulated_robot() {
+    if let Err(error) = Serial::pseudo_terminal() {
+        return common::skip("pty", &error.to_string());
+    }
     let robot = Robot::from_model();
     let text = shapebot_drives::text(NAME).expect("a drive");
     let text = text.replace("[timing]\n", TIMES).replace("[safety]\n", CYCLES);

@@ -73,6 +73,19 @@ fn manifests_stand_alone_at_pinned_versions() {
     }
 }
 
+/// The sources that go along are the project's.
+#[test]
+fn the_licences_go_along() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    for target in [Target::Linux, Target::CortexM] {
+        let files = planar(target);
+        for name in ["LICENSE-MIT", "LICENSE-APACHE"] {
+            let original = fs::read_to_string(root.join(name)).expect("the project's licence");
+            assert_eq!(text(&files, name), original);
+        }
+    }
+}
+
 #[test]
 fn the_page_has_the_wiring() {
     let files = planar(Target::Linux);

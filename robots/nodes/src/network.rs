@@ -15,6 +15,8 @@ struct Attachment {
     bus: usize,
     endpoint: EndpointId,
     backlog: VecDeque<Frame>,
+    /// [`Node::next`], which changes with the node only.
+    next: Option<u64>,
 }
 
 /// Simulated nodes over a plant on one or several buses in virtual time, and a place for the master on
@@ -47,7 +49,8 @@ impl<P: Plant> Network<P> {
             if let Some((bus, _)) = buses.get_mut(index) {
                 let endpoint = bus.attach(&format!("node {}", node.id().raw()));
                 let backlog = VecDeque::new();
-                attached.push(Attachment { node, bus: index, endpoint, backlog });
+                let next = node.next();
+                attached.push(Attachment { node, bus: index, endpoint, backlog, next });
             }
         }
         Self { buses, nodes: attached, plant, plant_time: 0, now: 0 }
@@ -113,6 +116,7 @@ impl<P: Plant> Network<P> {
     pub fn heal(&mut self, index: usize) {
         if let Some(attachment) = self.nodes.get_mut(index) {
             attachment.node.heal();
+            attachment.next = attachment.node.next();
         }
     }
 
@@ -145,7 +149,7 @@ impl<P: Plant> Network<P> {
 
     fn next_event(&self) -> Option<u64> {
         let buses = self.buses.iter().filter_map(|(bus, _)| bus.next_event());
-        let nodes = self.nodes.iter().filter_map(|attachment| attachment.node.next());
+        let nodes = self.nodes.iter().filter_map(|attachment| attachment.next);
         let backlog = self.nodes.iter().any(|attachment| !attachment.backlog.is_empty());
         buses.chain(nodes).chain(backlog.then_some(self.now + 100)).min()
     }
@@ -160,7 +164,7 @@ impl<P: Plant> Network<P> {
             while let Some(frame) = self.take(index) {
                 self.with_node(index, |node, physical, out| node.receive(&frame, physical, out));
             }
-            let due = self.nodes.get(index).and_then(|attachment| attachment.node.next());
+            let due = self.nodes.get(index).and_then(|attachment| attachment.next);
             if due.is_some_and(|due| due <= time) {
                 self.with_node(index, Node::poll);
             }
@@ -183,6 +187,7 @@ impl<P: Plant> Network<P> {
         let mut physical = Physical::new(&mut self.plant, &mut self.plant_time, self.now);
         let mut out = Vec::new();
         what(&mut attachment.node, &mut physical, &mut out);
+        attachment.next = attachment.node.next();
         attachment.backlog.extend(out);
         let excess = attachment.backlog.len().saturating_sub(BACKLOG);
         attachment.backlog.drain(..excess);

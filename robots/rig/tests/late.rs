@@ -2,55 +2,14 @@
 
 mod common;
 
-use shapebot_bus::{Bus, BusError, Frame, Received, Wired};
+use common::wire::{Port, Wire};
+use shapebot_bus::{Frame, Wired};
 use shapebot_dynamics::LagrangianSystem as _;
 use shapebot_generated::ballbot_planar::BallbotPlanar;
 use shapebot_rig::DriveSim;
 use shapebot_sim::{Plant, Scenario};
 use std::cell::RefCell;
-use std::collections::VecDeque;
 use std::rc::Rc;
-
-/// A bus whose clock moves while somebody waits, and the frames that come and went.
-#[derive(Default)]
-struct Wire {
-    now: u64,
-    coming: VecDeque<(u64, Frame)>,
-    sent: Vec<Frame>,
-    /// The process does not run from the first to the second time.
-    stall: Option<(u64, u64)>,
-}
-
-struct Port(Rc<RefCell<Wire>>);
-
-impl Bus for Port {
-    fn now(&self) -> u64 {
-        self.0.borrow().now
-    }
-
-    fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
-        self.0.borrow_mut().sent.push(*frame);
-        Ok(())
-    }
-
-    fn receive(&mut self, deadline: u64) -> Result<Option<Received>, BusError> {
-        let mut wire = self.0.borrow_mut();
-        let next = wire.coming.front().map_or(u64::MAX, |(time, _)| *time);
-        wire.now = wire.now.max(deadline.min(next));
-        if let Some((from, to)) = wire.stall
-            && wire.now >= from
-        {
-            (wire.now, wire.stall) = (wire.now.max(to), None);
-        }
-        if next > wire.now {
-            return Ok(None);
-        }
-        let (time, now) = (next, wire.now);
-        let frame = wire.coming.pop_front().map(|(_, frame)| frame);
-        assert!(time <= now);
-        Ok(frame.map(|frame| Received { frame, time: now }))
-    }
-}
 
 /// Emergency codes that the first drive sends when SYNC comes at these times, µs, each after a heartbeat.
 fn emergencies(syncs: &[u64], stall: Option<(u64, u64)>, slack: u64) -> Vec<u16> {

@@ -4,7 +4,7 @@ use crate::environment::{files, root};
 use std::collections::BTreeSet;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 
 /// Writes a file unless it has that content already: cargo goes by times.
 ///
@@ -70,6 +70,19 @@ pub fn build_folder(name: &str) -> PathBuf {
 /// If it cannot be started or fails, with what it said.
 #[must_use]
 pub fn cargo(folder: &Path, target: &Path, arguments: &[&str], input: &str) -> String {
+    let output = cargo_output(folder, target, arguments, input);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "cargo {} failed:\n{errors}", arguments.join(" "));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// The same, whatever comes of it.
+///
+/// # Panics
+///
+/// If it cannot be started.
+#[must_use]
+pub fn cargo_output(folder: &Path, target: &Path, arguments: &[&str], input: &str) -> Output {
     use std::io::Write as _;
     let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(program);
@@ -97,7 +110,5 @@ pub fn cargo(folder: &Path, target: &Path, arguments: &[&str], input: &str) -> S
     });
     let output = child.wait_with_output().unwrap_or_else(|e| panic!("cargo: {e}"));
     let _ = writer.join();
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "cargo {} failed:\n{errors}", arguments.join(" "));
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    output
 }

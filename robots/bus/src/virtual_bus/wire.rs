@@ -59,8 +59,8 @@ impl VirtualBus {
         let winners: Vec<_> =
             contenders.into_iter().filter(|(_, _, frame)| arbitration(frame) == best).collect();
         let Some(&(first, _, frame)) = winners.first() else { return };
-        let difference =
-            winners.iter().filter_map(|(_, _, other)| first_difference(&frame, other)).min();
+        let others = winners.iter().skip(1);
+        let difference = others.filter_map(|(_, _, other)| first_difference(&frame, other)).min();
         let senders: Vec<_> = winners.iter().map(|(id, ticket, _)| (*id, *ticket)).collect();
         let (outcome, bits) = self.outcome(&frame, first, senders.len(), difference);
         let end = start + u64::from(bits) * self.bit_ns;

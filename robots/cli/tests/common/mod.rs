@@ -56,13 +56,14 @@ pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Says that a test is skipped, past the test harness's capture.
+/// Says that a test is skipped and why, past the test harness's capture.
 ///
 /// # Panics
 ///
-/// When `SHAPEBOT_REQUIRE` names the reference data.
-pub(crate) fn skip(what: &str) {
+/// When `SHAPEBOT_REQUIRE` names what is missing.
+pub(crate) fn skip(name: &str, why: &str) {
     let required = std::env::var("SHAPEBOT_REQUIRE").unwrap_or_default();
-    assert!(!required.split(',').any(|word| word.trim() == "reference"), "{what}");
-    let _ = writeln!(std::io::stderr(), "skipped: {what}");
+    let listed = |word: &str| word.trim() == name || word.trim() == "all";
+    assert!(!required.split(',').any(listed), "SHAPEBOT_REQUIRE wants `{name}`: {why}");
+    let _ = writeln!(std::io::stderr(), "skipped ({name}): {why}");
 }

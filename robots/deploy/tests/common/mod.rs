@@ -68,7 +68,7 @@ pub(crate) fn cargo(folder: &Path, arguments: &[&str]) -> Option<String> {
     let errors = String::from_utf8_lossy(&output.stderr);
     let lacking = ["no matching package", "unable to update", "failed to download"];
     if !output.status.success() && lacking.iter().any(|text| errors.contains(text)) {
-        skip("deploy", errors.trim());
+        skip("deploy", errors.lines().next().unwrap_or_default());
         return None;
     }
     assert!(output.status.success(), "cargo {} failed:\n{errors}", arguments.join(" "));

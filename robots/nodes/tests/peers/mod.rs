@@ -9,6 +9,14 @@ pub(crate) fn root() -> PathBuf {
     here.ancestors().nth(2).unwrap_or(here).to_path_buf()
 }
 
+/// Says that a test is skipped and why, past the capture of the test harness.
+pub(crate) fn skip(name: &str, why: &str) {
+    let required = std::env::var("SHAPEBOT_REQUIRE").unwrap_or_default();
+    let listed = |word: &str| word.trim() == name || word.trim() == "all";
+    assert!(!required.split(',').any(listed), "SHAPEBOT_REQUIRE wants `{name}`: {why}");
+    let _ = writeln!(std::io::stderr(), "skipped ({name}): {why}");
+}
+
 /// The interpreter with the packages, or a line that says that it is not there.
 pub(crate) fn python() -> Option<PathBuf> {
     let python = root().join("target/venv/bin/python");
@@ -19,11 +27,7 @@ pub(crate) fn python() -> Option<PathBuf> {
     if check.is_ok_and(|status| status.success()) {
         return Some(python);
     }
-    let required = std::env::var("SHAPEBOT_REQUIRE").unwrap_or_default();
-    let why = "Python's canopen is not in target/venv: run tests/peers/can/setup.sh";
-    let listed = |word: &str| matches!(word.trim(), "canopen" | "all");
-    assert!(!required.split(',').any(listed), "SHAPEBOT_REQUIRE wants `canopen`: {why}");
-    let _ = writeln!(std::io::stderr(), "skipped (canopen): {why}");
+    skip("canopen", "Python's canopen is not in target/venv: run tests/peers/can/setup.sh");
     None
 }
 

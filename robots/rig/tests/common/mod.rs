@@ -1,6 +1,8 @@
 //! Bundled drives, robots and tasks.
 #![allow(dead_code, reason = "each test uses its part")]
 
+pub(crate) mod wire;
+
 use nalgebra::{SMatrix, SVector};
 use shapebot_control::Gains;
 use shapebot_drive_build::{DriveDescription, Source};
@@ -59,12 +61,19 @@ pub(crate) struct Followed {
     outcome: Outcome,
     /// Largest compensation of each shape coordinate along the plan, degrees.
     compensation: Vec<f64>,
+    /// Root of the mean squared distance of the output from the origin along the plan, m.
+    distance: f64,
 }
 
 impl Followed {
     /// The largest compensation of some shape coordinates, degrees.
     pub(crate) fn compensation(&self, coordinates: Range<usize>) -> f64 {
         self.compensation[coordinates].iter().fold(0.0, |most, x| f64::max(most, *x))
+    }
+
+    /// Root of the mean squared distance of the output from the origin along the plan, m.
+    pub(crate) const fn distance(&self) -> f64 {
+        self.distance
     }
 
     /// What came of it.
@@ -138,13 +147,17 @@ where
     let mut runtime = Runtime::new(robot, &table, &gains, &Settings::default()).unwrap();
     runtime.load(plan).unwrap();
     let mut compensation = SVector::<f64, NS>::zeros();
+    let (mut squares, mut cycles) = (0.0, 0.0);
     let outcome = run(&mut runtime, (robot, &plan), &mut world, script, &mut |cycle| {
         let snapshot = cycle.snapshot;
         if let (Some(_), Some(command)) = (snapshot.plan_time, snapshot.command) {
             compensation = compensation.sup(&command.compensation.abs());
+            let (qx, qs) = R::split(&cycle.truth.unwrap().q);
+            squares += robot.output(&qx, &qs).norm_squared();
+            cycles += 1.0;
         }
     });
     let outcome = outcome.unwrap_or_else(|error| panic!("{drive_name}: {error}"));
     let compensation = compensation.iter().map(|x| x.to_degrees()).collect();
-    Followed { outcome, compensation }
+    Followed { outcome, compensation, distance: f64::sqrt(squares / cycles) }
 }

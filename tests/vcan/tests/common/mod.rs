@@ -35,6 +35,19 @@ pub(crate) fn on_vcan(folder: &Path, commands: &str) -> Option<Output> {
     Some(output)
 }
 
+/// Whether user-mode Linux is here; says so if not.
+pub(crate) fn user_mode_linux() -> bool {
+    let program = root().join("tests/vcan/vcan");
+    let check = Command::new(program).arg("check").output();
+    let lacking = match &check {
+        Ok(output) if output.status.success() => return true,
+        Ok(output) => String::from_utf8_lossy(&output.stderr).into_owned(),
+        Err(error) => error.to_string(),
+    };
+    skip("vcan", lacking.trim());
+    false
+}
+
 /// Whether can-utils are here; says so if not.
 pub(crate) fn can_utils() -> bool {
     let here = Command::new("cansend").output().is_ok();

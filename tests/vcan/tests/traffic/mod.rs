@@ -1,6 +1,6 @@
 //! What a log of a drive's buses says, by the tables that are generated from the drive's description.
 
-use shapebot_bus::candump::Entry;
+use shapebot_bus::candump::{self, Entry};
 use shapebot_bus::{Bus as _, Frame, Replay};
 use shapebot_drive::cia402;
 use shapebot_drive::id::{Function, SYNC};
@@ -8,6 +8,7 @@ use shapebot_drive::legs::LegsState;
 use shapebot_drive::{DriveTable, NodeTable, Pdo, Signal, Source};
 use std::collections::BTreeMap;
 use std::fmt;
+use std::path::Path;
 
 /// Frames between two SYNCs.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +36,10 @@ pub(crate) struct Traffic {
     /// Torque commands that are not zero, and those beyond the drive's limit.
     pub(crate) torques: usize,
     pub(crate) beyond: usize,
+    /// What operators sent.
+    pub(crate) orders: usize,
+    /// First and last position by node-ID, in the drive's counts.
+    pub(crate) positions: BTreeMap<u8, [i64; 2]>,
     /// Whether the legs said that they are up, and what they said last.
     pub(crate) rose: bool,
     pub(crate) legs: Option<LegsState>,
@@ -51,6 +56,13 @@ pub(crate) struct Traffic {
 }
 
 impl Traffic {
+    /// What candump recorded.
+    pub(crate) fn read(log: &Path, table: &DriveTable<'_>) -> Self {
+        let file = std::fs::File::open(log).expect("candump's log");
+        let entries = candump::read(log, std::io::BufReader::new(file)).expect("a log");
+        Self::of(entries, table)
+    }
+
     pub(crate) fn of(entries: Vec<Entry>, table: &DriveTable<'_>) -> Self {
         let mut traffic = Self { frames: entries.len(), ..Self::default() };
         let mut cycles: Vec<Cycle> = Vec::new();
@@ -74,6 +86,35 @@ impl Traffic {
         traffic.emergencies.truncate(emergencies);
         traffic.judge(&cycles, table);
         traffic
+    }
+
+    /// Asserts what no scheduling may change.
+    pub(crate) fn check(&self, table: &DriveTable<'_>) {
+        assert!(self.strange.is_empty(), "{:?}", self.strange);
+        assert!(self.emergencies.is_empty(), "{:?}", self.emergencies);
+        // Each node is set up, each step answered, and started.
+        for node in table.nodes {
+            let answers = self.answers.get(&node.id.raw()).copied().unwrap_or(0);
+            assert!(answers >= node.setup.len(), "{}: {answers} answers", node.name);
+        }
+        assert_eq!(self.aborts, 0);
+        assert!(self.starts > 0 && self.enabled > 1000, "{}", self.enabled);
+        // It balances: torque is given, within limits, the legs are up, and down again at the end.
+        assert!(self.torques > 1000 && self.beyond == 0, "{} {}", self.torques, self.beyond);
+        assert!(self.rose && self.legs.is_some_and(LegsState::is_down));
+        // It stands, moves for three seconds, and stands.
+        assert!(self.cycles > 3000, "{} cycles", self.cycles);
+    }
+
+    /// Whether SYNC keeps its period, µs, but for what is skipped when the computer stalls, and whether
+    /// nearly all cycles are whole, inputs before commands.
+    pub(crate) fn keeps_time(&self, period: u32) -> bool {
+        let near = |value: f64, part: f64| (value / f64::from(period) - 1.0).abs() < part;
+        let most = self.cycles / 20;
+        self.complete >= self.cycles - most
+            && self.ordered >= self.complete - most
+            && near(self.mean_period(), 0.05)
+            && near(self.median_period() as f64, 0.05)
     }
 
     /// Time from SYNC to SYNC on the average, µs.
@@ -119,6 +160,7 @@ impl Traffic {
             Function::Emergency(_) if bytes.get(..2) != Some(&[0, 0]) => {
                 self.emergencies.push(format!("{id:03X}#{bytes:02X?}"));
             }
+            Function::Other if id == table.operator.command => self.orders += 1,
             Function::Other if id != table.operator.telemetry => {
                 self.strange.push(format!("{id:03X}"));
             }
@@ -141,6 +183,9 @@ impl Traffic {
                     Some(_) => {}
                     None => self.strange.push(format!("{}: statusword {value:#x}", node.name)),
                 },
+                Signal::Position => {
+                    self.positions.entry(node.id.raw()).or_insert([value; 2])[1] = value;
+                }
                 Signal::LegsState => {
                     let state = LegsState(u8::try_from(value).unwrap_or(u8::MAX));
                     self.rose |= state.is_up();
