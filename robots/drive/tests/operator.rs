@@ -8,7 +8,7 @@ use shapebot_drive::Master;
 use shapebot_drive::crc::crc32;
 use shapebot_drive::operator::command::{CHUNK, decode, encode, encode_chunk};
 use shapebot_drive::operator::{
-    Commanded, Operator, Order, Page, PlanError, PlanStore, Refusal, stream,
+    Commanded, Operator, Order, Page, PlanError, PlanStore, Refusal, Tuned, stream,
 };
 use shapebot_drive::safety::{Request, State};
 
@@ -212,11 +212,13 @@ fn plans_are_uploaded_checked_and_swapped_at_rest() {
 fn telemetry_tells_all_pages() {
     standing(|run, operator, _| {
         run.forces = vec![10.0];
-        let mut seen = [false; 12];
+        let mut seen = [false; 13];
+        let tuned = Tuned { factors: [0.6, 1.25, 1.0, 0.854], watch: true };
         for _ in 0..60 {
             run.pass(10_000);
-            let bytes = operator.telemetry(&run.master).expect("a page each ten milliseconds");
-            assert_eq!(operator.telemetry(&run.master), None);
+            let bytes =
+                operator.telemetry(&run.master, &tuned).expect("a page each ten milliseconds");
+            assert_eq!(operator.telemetry(&run.master, &tuned), None);
             seen[usize::from(bytes[0])] = true;
             let page = Page::decode(&bytes).expect("a page");
             assert_eq!(page.encode(), bytes);
@@ -225,10 +227,13 @@ fn telemetry_tells_all_pages() {
                     assert_eq!((State::of(state), fault), (Some(run.master.state()), 0));
                 }
                 Page::Forces { group: 0, forces } => assert_eq!(forces[0], 1000),
+                Page::Tuned { percent, watch } => {
+                    assert_eq!((percent, watch), ([60, 125, 100, 85], 1));
+                }
                 _ => {}
             }
         }
-        assert_eq!(seen, [true; 12]);
+        assert_eq!(seen, [true; 13]);
     });
 }
 

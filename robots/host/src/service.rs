@@ -172,7 +172,7 @@ where
             // Cannot be busy: plans are not taken while one is followed.
             let _ = self.runtime.load(plan);
         }
-        if let Some(page) = self.operator.telemetry(self.runtime.master()) {
+        if let Some(page) = self.operator.telemetry(self.runtime.master(), &self.runtime.tuned()) {
             let operator = &self.runtime.master().table().operator;
             self.frames.push((operator.bus.into(), Frame::new(operator.telemetry, &page)));
             if let Some(socket) = &mut self.socket {

@@ -15,6 +15,6 @@ mod words;
 pub use client::Client;
 pub use error::Error;
 pub use link::{BusLink, Link, SocketLink};
-pub use telemetry::{Health, Status, Telemetry, Upload};
+pub use telemetry::{Health, Status, Telemetry, Tuning, Upload};
 pub use view::{line, view};
 pub use words::{fault, refusal, request, state};

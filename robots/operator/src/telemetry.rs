@@ -1,6 +1,6 @@
 //! The last of each page.
 
-use shapebot_drive::operator::Page;
+use shapebot_drive::operator::{MAX_GAINS, Page};
 
 /// Page 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +39,15 @@ pub struct Upload {
     pub complete: bool,
 }
 
+/// Page 12.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tuning {
+    /// Gains as percentages of the designed ones, by their numbers.
+    pub percent: [u8; MAX_GAINS],
+    /// Whether silence of the operator is a fault.
+    pub watch: bool,
+}
+
 /// What a robot said last; SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Telemetry {
@@ -58,6 +67,8 @@ pub struct Telemetry {
     pub health: Option<Health>,
     /// Of a plan.
     pub upload: Option<Upload>,
+    /// Of what an operator set.
+    pub tuning: Option<Tuning>,
 }
 
 impl Telemetry {
@@ -89,6 +100,9 @@ impl Telemetry {
             }
             Page::Upload { received, complete } => {
                 self.upload = Some(Upload { received, complete: complete != 0 });
+            }
+            Page::Tuned { percent, watch } => {
+                self.tuning = Some(Tuning { percent, watch: watch != 0 });
             }
         }
         true

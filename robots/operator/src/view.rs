@@ -23,9 +23,9 @@ pub fn line(telemetry: &Telemetry) -> String {
     text
 }
 
-/// All of it on a page, with the names of the drive's coordinates and axes.
+/// All of it on a page, with the names of the drive's coordinates and axes, and of gains by their numbers.
 #[must_use]
-pub fn view(telemetry: &Telemetry, drive: &DriveDescription) -> String {
+pub fn view(telemetry: &Telemetry, drive: &DriveDescription, gains: &[&str]) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "{} ({})\n", drive.title, drive.name);
     status(&mut text, telemetry);
@@ -41,6 +41,7 @@ pub fn view(telemetry: &Telemetry, drive: &DriveDescription) -> String {
         let _ = writeln!(text, "  {name:<12} {} {unit}", number(*position, 4));
     }
     health(&mut text, telemetry);
+    tuning(&mut text, telemetry, gains);
     text
 }
 
@@ -91,6 +92,16 @@ fn health(text: &mut String, telemetry: &Telemetry) {
         let whole = if upload.complete { "whole" } else { "incomplete" };
         let _ = writeln!(text, "plan         {} bytes, {whole}", upload.received);
     }
+}
+
+/// Gains that are not the designed ones, and the watch.
+fn tuning(text: &mut String, telemetry: &Telemetry, gains: &[&str]) {
+    let Some(tuning) = telemetry.tuning else { return };
+    let named = gains.iter().zip(tuning.percent).filter(|(_, percent)| *percent != 100);
+    let changed: Vec<String> = named.map(|(name, percent)| format!("{name} {percent} %")).collect();
+    let changed = if changed.is_empty() { "as designed".to_owned() } else { changed.join(", ") };
+    let watch = if tuning.watch { "armed" } else { "off" };
+    let _ = writeln!(text, "gains        {changed}\nwatch        {watch}");
 }
 
 fn number(value: Option<f64>, digits: usize) -> String {

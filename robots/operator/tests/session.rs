@@ -4,7 +4,7 @@
 use shapebot_drive::Master;
 use shapebot_drive::crc::crc32;
 use shapebot_drive::operator::stream::{self, LONGEST, Reader};
-use shapebot_drive::operator::{Commanded, Operator, Order, PlanStore, Refusal};
+use shapebot_drive::operator::{Commanded, Operator, Order, PlanStore, Refusal, Tuned};
 use shapebot_drive::safety::Request;
 use shapebot_drive_build::{DriveDescription, read};
 use shapebot_dynamics::{Actuator, Coordinate, Description, Role};
@@ -53,6 +53,9 @@ fn description() -> DriveDescription {
     read("ballbot_planar", text, &model).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
+/// What was set.
+const TUNED: Tuned = Tuned { factors: [0.75, 1.0, 1.0, 1.0], watch: true };
+
 /// A master with one gain of 0 to 2.
 struct Robot<'m, 't>(&'m mut Master<'t>);
 
@@ -99,7 +102,7 @@ fn robot(drive: &DriveDescription, mut stream: UnixStream, end: &AtomicBool) -> 
             }
             Err(error) => assert_eq!(error.kind(), ErrorKind::WouldBlock, "{error}"),
         }
-        if let Some(page) = operator.telemetry(&master) {
+        if let Some(page) = operator.telemetry(&master, &TUNED) {
             let mut record = [0; LONGEST];
             let used = stream::encode(&page, &mut record);
             let _ = stream.write(&record[..used]);
@@ -176,8 +179,10 @@ fn an_emergency_stop_needs_no_session_and_is_seen() {
         }
         assert!(down, "{:?}", client.telemetry());
         assert!(line(client.telemetry()).contains("emergency stop"));
-        let page = view(client.telemetry(), drive);
-        for part in ["theta", "emergency stop", "N·m", "SYNC late by", state(10)] {
+        let page = view(client.telemetry(), drive, &["position", "velocity"]);
+        assert!(page.contains("watch        armed") && !page.contains("velocity"), "{page}");
+        for part in ["theta", "emergency stop", "N·m", "SYNC late by", state(10), "position 75 %"]
+        {
             assert!(page.contains(part), "no `{part}` in\n{page}");
         }
     });

@@ -6,7 +6,7 @@ use crate::tuning::Tuning;
 use crate::{Error, Settings};
 use nalgebra::SVector;
 use shapebot_control::{Command, Controller, Gains, State, Target};
-use shapebot_drive::operator::Commanded;
+use shapebot_drive::operator::{Commanded, MAX_GAINS, Tuned};
 use shapebot_drive::safety::{Request, State as Safety};
 use shapebot_drive::{DriveTable, Fault, Frame, MAX_AXES, Master};
 use shapebot_dynamics::Robot;
@@ -139,6 +139,12 @@ where
     /// The drive's master, for an operator's commands. Requests rather go to [`Self::request`].
     pub const fn master_mut(&mut self) -> &mut Master<'a> {
         &mut self.master
+    }
+
+    /// What an operator set.
+    #[must_use]
+    pub fn tuned(&self) -> Tuned {
+        Tuned { factors: self.tuning.factors(), watch: self.operator_heard.is_some() }
     }
 
     /// The last cycle.
@@ -400,6 +406,8 @@ where
         }
     }
 }
+
+const _: () = assert!(crate::TUNABLE.len() == MAX_GAINS);
 
 fn zero_shape<T: Stored, const NS: usize>() -> SVector<T, NS> {
     SVector::from_element(T::zero())

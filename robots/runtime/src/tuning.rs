@@ -52,6 +52,11 @@ impl<T: Ordered, const NX: usize, const NS: usize> Tuning<T, NX, NS> {
         Some(self)
     }
 
+    /// The factors, by their numbers.
+    pub(crate) fn factors(&self) -> [f32; TUNABLE.len()] {
+        self.factors.map(Ordered::to_f32)
+    }
+
     pub(crate) fn gains(&self) -> Gains<T, NX, NS> {
         let [position, velocity, balance, servo] = self.factors;
         let scaled = |gains: &SVector<T, NX>, factor| gains * factor;

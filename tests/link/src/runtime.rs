@@ -67,7 +67,7 @@ pub(crate) fn runtime_of_any_tables() {
                 black_box(operator.receive(bytes, &mut runtime, now).is_ok());
             }),
             6 => {
-                black_box(operator.telemetry(runtime.master()));
+                black_box(operator.telemetry(runtime.master(), &runtime.tuned()));
             }
             7 => {
                 let swapped = operator.plans().swap(unknown(Safety::Off), |_| unknown(true));

@@ -9,6 +9,7 @@ use shapebot_drive::operator::Order;
 use shapebot_drive::safety::Request;
 use shapebot_drive_build::DriveDescription;
 use shapebot_operator::{BusLink, Client, Error, Link, line, view};
+use shapebot_runtime::TUNABLE;
 use std::io::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -38,7 +39,8 @@ pub(crate) fn monitor(args: &MonitorArgs) -> Outcome {
         let time = if terminal.is_term() { REDRAW } else { LINE };
         let heard = listen(&mut client, time, args.watch)?;
         if terminal.is_term() {
-            let page = view(client.telemetry(), &drive);
+            let gains = TUNABLE.map(|tunable| tunable.name);
+            let page = view(client.telemetry(), &drive, &gains);
             terminal.clear_last_lines(shown)?;
             terminal.write_str(&page)?;
             shown = page.lines().count();

@@ -56,7 +56,7 @@ impl Application for Control {
 
     fn cycle(&mut self, now: u64, send: &mut dyn FnMut(usize, &Frame)) {
         self.runtime.poll(now, &mut |bus, frame| send(bus, &frame));
-        if let Some(page) = self.operator.telemetry(self.runtime.master()) {
+        if let Some(page) = self.operator.telemetry(self.runtime.master(), &self.runtime.tuned()) {
             let operator = &DRIVE.operator;
             send(operator.bus.into(), &Frame::new(operator.telemetry, &page));
         }

@@ -75,6 +75,24 @@ pub enum Refusal {
     Plan = 8,
 }
 
+/// Most gains that an operator may set.
+pub const MAX_GAINS: usize = 4;
+
+/// What an operator set, for telemetry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuned {
+    /// Gains as factors of the designed ones, by their numbers.
+    pub factors: [f32; MAX_GAINS],
+    /// Whether silence of the operator is a fault while the robot balances.
+    pub watch: bool,
+}
+
+impl Default for Tuned {
+    fn default() -> Self {
+        Self { factors: [1.0; MAX_GAINS], watch: false }
+    }
+}
+
 /// Who carries out what an operator orders.
 pub trait Commanded {
     /// Asks for something: false if the state does not allow it.

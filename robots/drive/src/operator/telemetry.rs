@@ -1,6 +1,6 @@
 //! Telemetry as pages of eight bytes, both ways.
 
-use super::{NO_NODE, Operator, Refusal};
+use super::{MAX_GAINS, NO_NODE, Operator, Refusal, Tuned};
 use crate::TELEMETRY_CYCLES;
 use crate::master::Master;
 
@@ -67,10 +67,18 @@ pub enum Page {
         /// 1 if it is whole and sound.
         complete: u8,
     },
+    /// Page 12: gains as percentages of the designed ones, by their numbers, and whether silence of the
+    /// operator is a fault.
+    Tuned {
+        /// Percentages; 100 also where there is no such gain.
+        percent: [u8; MAX_GAINS],
+        /// 1 if the watch is armed.
+        watch: u8,
+    },
 }
 
 /// Number of pages.
-const PAGES: u8 = 12;
+const PAGES: u8 = 13;
 
 /// Pages between two of the status.
 const STATUS_EVERY: u8 = 3;
@@ -115,6 +123,7 @@ impl Page {
                 let [a, b, c, d] = received.to_le_bytes();
                 [11, 0, a, b, c, d, complete, 0]
             }
+            Self::Tuned { percent: [a, b, c, d], watch } => [12, 0, a, b, c, d, watch, 0],
         }
     }
 
@@ -154,6 +163,7 @@ impl Page {
                 strange: u16::from_le_bytes([e, f]),
             },
             11 => Self::Upload { received: u32::from_le_bytes([a, b, c, d]), complete: e },
+            12 => Self::Tuned { percent: [a, b, c, d], watch: e },
             _ => return None,
         })
     }
@@ -162,7 +172,7 @@ impl Page {
 impl Operator<'_> {
     /// The page of telemetry that is due, once each [`TELEMETRY_CYCLES`] cycles; every third is the
     /// status.
-    pub fn telemetry(&mut self, master: &Master<'_>) -> Option<[u8; 8]> {
+    pub fn telemetry(&mut self, master: &Master<'_>, tuned: &Tuned) -> Option<[u8; 8]> {
         let cycles = master.counters().cycles;
         if cycles < self.due {
             return None;
@@ -178,10 +188,10 @@ impl Operator<'_> {
             let other = others.checked_rem(u16::from(PAGES - 1)).unwrap_or(0);
             u8::try_from(other).unwrap_or(0).saturating_add(1)
         };
-        Some(self.page(page, master).encode())
+        Some(self.page(page, master, tuned).encode())
     }
 
-    fn page(&self, page: u8, master: &Master<'_>) -> Page {
+    fn page(&self, page: u8, master: &Master<'_>, tuned: &Tuned) -> Page {
         match page {
             1 => Page::Faults {
                 bits: master.faults().bits(),
@@ -227,6 +237,11 @@ impl Operator<'_> {
                 let complete = u8::from(self.plans.pending().is_some());
                 Page::Upload { received: u32::try_from(received).unwrap_or(u32::MAX), complete }
             }
+            12 => Page::Tuned {
+                // The cast saturates.
+                percent: tuned.factors.map(|factor| libm::roundf(factor * 100.0) as u8),
+                watch: u8::from(tuned.watch),
+            },
             _ => self.status(master),
         }
     }

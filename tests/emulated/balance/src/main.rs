@@ -52,7 +52,7 @@ impl Application for Robot<'_> {
 
     fn cycle(&mut self, now: u64, send: &mut dyn FnMut(usize, &Frame)) {
         self.runtime.poll(now, &mut |bus, frame| send(bus, &frame));
-        if let Some(page) = self.operator.telemetry(self.runtime.master()) {
+        if let Some(page) = self.operator.telemetry(self.runtime.master(), &self.runtime.tuned()) {
             let to = &DRIVE.operator;
             send(usize::from(to.bus), &Frame::new(to.telemetry, &page));
         }
