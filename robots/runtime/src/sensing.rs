@@ -69,11 +69,11 @@ impl<T: Ordered, const N: usize, const NX: usize, const NS: usize> Sensing<T, N,
         let c = T::from_f64;
         let rates: SVector<T, NS> =
             SVector::from_fn(|i, _| T::from_f32(measurement.velocity(NX + i)));
-        let shape: SVector<T, NS> = SVector::from_fn(|i, _| {
+        let shape = rates.map_with_location(|i, _, rate| {
             let sampled = measurement.way(NX + i, 0);
             match measurement.age(NX + i).min(CARRIED) {
                 0 => sampled,
-                late => sampled + rates[i] * T::from_f32(late.into()) * self.period,
+                late => sampled + rate * T::from_f32(late.into()) * self.period,
             }
         });
         let mut position = SVector::<T, NX>::from_element(T::zero());

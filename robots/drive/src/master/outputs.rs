@@ -247,7 +247,8 @@ impl Master<'_> {
             let bytes = self.content(command, &self.outputs());
             let changed = self.sent.get(at).copied().flatten() != Some(bytes);
             let may = self.event_budget > 0;
-            if !changed && !(may && turn == at) {
+            let due = changed || may && turn == at;
+            if !due {
                 continue;
             }
             let legs = command.fields.iter().any(|field| field.source == Source::Legs);
