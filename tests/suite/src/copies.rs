@@ -83,8 +83,8 @@ pub fn cargo(folder: &Path, target: &Path, arguments: &[&str], input: &str) -> S
     command.args(arguments).current_dir(folder).env("CARGO_TARGET_DIR", target);
     command.env("CARGO_BUILD_BUILD_DIR", build_folder(""));
     // What is built here is run once: unoptimised, build scripts and programs share what they need.
-    for setting in ["DEV_OPT_LEVEL", "DEV_BUILD_OVERRIDE_OPT_LEVEL", "DEV_DEBUG"] {
-        command.env(format!("CARGO_PROFILE_{setting}"), "0");
+    for setting in ["OPT_LEVEL", "DEBUG", "BUILD_OVERRIDE_OPT_LEVEL", "BUILD_OVERRIDE_DEBUG"] {
+        command.env(format!("CARGO_PROFILE_DEV_{setting}"), "0");
     }
     command.env("CARGO_NET_OFFLINE", "true").env("CARGO_TERM_COLOR", "never");
     run(&mut command, input)
