@@ -153,7 +153,7 @@ mod torque;
 pub mod value;
 
 #[cfg(test)]
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 mod common;
 
 pub use bounds::{AccelerationBound, acceleration_bound, constant_acceleration};

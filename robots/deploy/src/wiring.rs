@@ -1,7 +1,7 @@
 //! What the page of a deployed crate says about the drive.
 
 use crate::derived::Derived;
-use serde::Serialize;
+use serde_derive::Serialize;
 use shapebot_drive::Role;
 use shapebot_drive_build::{Axis, DriveDescription, Node};
 

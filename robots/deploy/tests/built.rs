@@ -9,15 +9,9 @@ use common::{build_folder, cargo, deployed, run, skip};
 use shapebot_deploy::Target;
 use std::path::Path;
 use std::process::Command;
-use std::sync::{Mutex, PoisonError};
-
-/// Folders share a target folder, in which cargo gives their crates the same names: one at a time.
-static BUILDING: Mutex<()> = Mutex::new(());
 
 /// Tests, then the program's own usage.
 fn builds_alone(name: &str, target: Target) {
-    // What failed elsewhere is said there.
-    let _building = BUILDING.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = deployed(name, target);
     let Some(printed) = cargo(folder.path(), &["test", "--offline", "--quiet"]) else { return };
     assert!(printed.contains("5 passed; 0 failed"), "{printed}");
@@ -56,13 +50,14 @@ fn the_firmware_builds_and_sends_its_first_frames() {
     }
     let folder = deployed(name, Target::CortexM);
     let arguments = ["build", "--release", "--quiet", "--offline", "--features", "firmware"];
-    let output = run(&way, folder.path(), "deployed-bare-metal", &arguments);
+    // Where other tests build for it: the core library is there.
+    let output = run(&way, folder.path(), "bare-metal", &arguments);
     let errors = String::from_utf8_lossy(&output.stderr);
     if output.status.code() == Some(77) {
         return skip("qemu", errors.trim());
     }
     assert!(output.status.success(), "{errors}");
-    let firmware = build_folder("deployed-bare-metal/thumbv7em-none-eabihf/release/firmware");
+    let firmware = build_folder("bare-metal/thumbv7em-none-eabihf/release/firmware");
     let serial = folder.path().join("serial");
     let emulator = Command::new("qemu-system-arm")
         .args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"])

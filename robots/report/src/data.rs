@@ -1,7 +1,7 @@
 //! What a report says: plain data. SI units unless a field names its unit.
 
 use crate::scene::{Body, Pose};
-use serde::Serialize;
+use serde_derive::Serialize;
 
 /// A report: one page.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

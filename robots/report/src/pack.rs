@@ -2,7 +2,7 @@
 
 use crate::data::{Animation, Panel, Path, Report, RunPage, Stroke};
 use crate::scene::Body;
-use serde::Serialize;
+use serde_derive::Serialize;
 
 /// Code of a gap.
 const GAP: u16 = u16::MAX;

@@ -4,7 +4,7 @@ use crate::data::{DesignFigure, Parameter, Report, RobotPage, RunPage, Table};
 use crate::error::Error;
 use crate::pack::Data;
 use crate::{certificate, latex, text};
-use serde::Serialize;
+use serde_derive::Serialize;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 

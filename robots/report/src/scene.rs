@@ -1,7 +1,7 @@
 //! Bodies and where they stand.
 
 use nalgebra::{Matrix3, Rotation3, SVector, UnitQuaternion, Vector3};
-use serde::Serialize;
+use serde_derive::Serialize;
 use shapebot_dynamics::{Geometry, LagrangianSystem, Solid};
 
 /// A solid of the animation. Lengths in metres; see [`Solid`].

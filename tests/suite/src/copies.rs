@@ -62,18 +62,16 @@ pub fn build_folder(name: &str) -> PathBuf {
     target.join(name)
 }
 
-/// Cargo without the network in `folder`, building into `target`; nothing of the environment of the
-/// outer cargo remains.
+/// Cargo without the network in `folder`; nothing of the environment of the outer cargo remains. What it
+/// makes goes into `target`, what it needs on the way there beside that of the build that runs these
+/// tests: packages of crates.io that both build alike are built once.
 ///
 /// # Panics
 ///
 /// If it cannot be started or fails, with what it said.
 #[must_use]
 pub fn cargo(folder: &Path, target: &Path, arguments: &[&str], input: &str) -> String {
-    let output = cargo_output(folder, target, arguments, input);
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "cargo {} failed:\n{errors}", arguments.join(" "));
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    text(cargo_output(folder, target, arguments, input), arguments)
 }
 
 /// The same, whatever comes of it.
@@ -83,7 +81,6 @@ pub fn cargo(folder: &Path, target: &Path, arguments: &[&str], input: &str) -> S
 /// If it cannot be started.
 #[must_use]
 pub fn cargo_output(folder: &Path, target: &Path, arguments: &[&str], input: &str) -> Output {
-    use std::io::Write as _;
     let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(program);
     for (name, _) in std::env::vars_os() {
@@ -94,21 +91,45 @@ pub fn cargo_output(folder: &Path, target: &Path, arguments: &[&str], input: &st
         }
     }
     command.args(arguments).current_dir(folder).env("CARGO_TARGET_DIR", target);
+    command.env("CARGO_BUILD_BUILD_DIR", build_folder(""));
     // What is built here is run once: unoptimised, build scripts and programs share what they need.
-    for setting in ["DEV_OPT_LEVEL", "DEV_BUILD_OVERRIDE_OPT_LEVEL", "DEV_DEBUG"] {
-        command.env(format!("CARGO_PROFILE_{setting}"), "0");
+    for setting in ["OPT_LEVEL", "DEBUG", "BUILD_OVERRIDE_OPT_LEVEL", "BUILD_OVERRIDE_DEBUG"] {
+        command.env(format!("CARGO_PROFILE_DEV_{setting}"), "0");
     }
     command.env("CARGO_NET_OFFLINE", "true").env("CARGO_TERM_COLOR", "never");
+    output(&mut command, input)
+}
+
+/// What a program prints that is given `input`.
+///
+/// # Panics
+///
+/// If it cannot be started or fails, with what it said.
+#[must_use]
+pub fn run(command: &mut Command, input: &str) -> String {
+    let output = output(command, input);
+    text(output, &[&command.get_program().to_string_lossy()])
+}
+
+/// What was printed by a program that must have ended well.
+fn text(output: Output, called: &[&str]) -> String {
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{} failed:\n{errors}", called.join(" "));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn output(command: &mut Command, input: &str) -> Output {
+    use std::io::Write as _;
     let pipe = std::process::Stdio::piped;
     command.stdin(pipe()).stdout(pipe()).stderr(pipe());
-    let mut child = command.spawn().unwrap_or_else(|e| panic!("cargo: {e}"));
+    let mut child = command.spawn().unwrap_or_else(|e| panic!("{command:?}: {e}"));
     let mut stdin = child.stdin.take();
     let input = input.to_owned();
     let writer = std::thread::spawn(move || {
         // Whoever does not read its input says why itself.
         let _ = stdin.as_mut().map(|pipe| pipe.write_all(input.as_bytes()));
     });
-    let output = child.wait_with_output().unwrap_or_else(|e| panic!("cargo: {e}"));
+    let output = child.wait_with_output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
     let _ = writer.join();
     output
 }

@@ -2,15 +2,19 @@
 //! the tests and in the documentation, without another change.
 
 use serde_json::{Map, Value};
-use shapebot_tests::copies::{build_folder, cargo, copy_checkout, write_if_changed};
+use shapebot_tests::copies::{build_folder, cargo, copy_checkout, run, write_if_changed};
 use shapebot_tests::environment::read;
 use shapebot_tests::reference::load;
 use std::path::Path;
+use std::process::Command;
 
 /// The model that is copied.
 const ORIGINAL: &str = "ballbot3d_arms";
 /// Name of the copy.
 const COPY: &str = "zz_dropped_in";
+
+/// Tests that speak of every robot.
+const TESTS: [&str; 4] = ["--test", "listing", "--test", "mirror"];
 
 /// States of the reference data as the tool reads them, one per line.
 fn states() -> String {
@@ -34,16 +38,20 @@ fn a_model_under_a_new_name_is_found_by_tool_tests_and_docs() {
         .replace("robot Ballbot3dArms", "robot Newcomer");
     assert!(text.contains("robot Newcomer"));
     write_if_changed(&folder.join(format!("robots/models/{COPY}.robot")), text.as_bytes());
+    // At once and with the features of the whole workspace: every crate is built once.
+    let all = ["build", "--quiet", "--offline", "--workspace", "--bin", "shapebot"];
+    let _ = cargo(&folder, &target, &[&all[..], &TESTS].concat(), "");
     the_tool_finds_it(&folder, &target);
     the_tests_find_it(&folder, &target);
     the_docs_find_it(&folder, &target);
 }
 
 fn the_tool_finds_it(folder: &Path, target: &Path) {
+    let program = target.join("debug").join(format!("shapebot{}", std::env::consts::EXE_SUFFIX));
     let tool = |arguments: &[&str], input: &str| {
-        let mut all = vec!["run", "--quiet", "--offline", "--"];
-        all.extend(arguments);
-        cargo(folder, target, &all, input)
+        let mut command = Command::new(&program);
+        command.args(arguments).current_dir(folder);
+        run(&mut command, input)
     };
     let robots = tool(&["robots"], "");
     assert!(robots.contains(COPY), "robots that the tool lists:\n{robots}");
@@ -54,18 +62,8 @@ fn the_tool_finds_it(folder: &Path, target: &Path) {
 }
 
 fn the_tests_find_it(folder: &Path, target: &Path) {
-    let list = [
-        "test",
-        "--quiet",
-        "--offline",
-        "-p",
-        "shapebot-tests",
-        "--test",
-        "listing",
-        "--test",
-        "mirror",
-    ];
-    let said = cargo(folder, target, &[&list[..], &["--", "--nocapture"]].concat(), "");
+    let test = ["test", "--quiet", "--offline", "--workspace"];
+    let said = cargo(folder, target, &[&test[..], &TESTS, &["--", "--nocapture"]].concat(), "");
     assert!(said.contains(&format!("robot: {COPY}")), "robots that the tests list:\n{said}");
 }
 

@@ -1,7 +1,7 @@
 //! Reading one state from one line, into memory that is used again.
 
-use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_derive::Deserialize;
 use std::fmt;
 
 /// A state as given.

@@ -1,8 +1,6 @@
 //! Every bundled robot with its controller, on its full dynamics.
 
-mod common;
-
-use common::{Check, PERIOD, World, balances, every, reach, rest, run, standing, travel};
+use crate::common::{Check, PERIOD, World, balances, every, reach, rest, run, standing, travel};
 use nalgebra::SVector;
 use shapebot_control::{Gains, State};
 use shapebot_dynamics::Robot;

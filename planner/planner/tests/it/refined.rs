@@ -1,8 +1,6 @@
 //! Refined plans: how close they come, and where they begin and end.
 
-mod common;
-
-use common::robots::{CartPole, Equations, LinearArms, Planar, Robot, Spatial, TABLE_I};
+use crate::common::robots::{CartPole, Equations, LinearArms, Planar, Robot, Spatial, TABLE_I};
 use nalgebra::{SMatrix, SVector, Vector1, Vector2};
 use proptest::prelude::*;
 use shapebot_planner::motion::{Bezier, Line, Transfer};

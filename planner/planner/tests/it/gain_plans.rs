@@ -1,10 +1,8 @@
 //! What the gain planner offers beside its defaults: other optimisers and parametrisations, warnings,
 //! Fig. 5.
 
-mod common;
-
-use common::arms::PlanarArms;
-use common::robots::{CartPole, Planar, Robot, Spatial, TABLE_I};
+use crate::common::arms::PlanarArms;
+use crate::common::robots::{CartPole, Planar, Robot, Spatial, TABLE_I};
 use nalgebra::{SVector, Vector1, Vector2, Vector3};
 use shapebot_planner::motion::Line;
 use shapebot_planner::{

@@ -1,8 +1,6 @@
 //! A payload is found from the momentum of the drives.
 
-mod common;
-
-use common::{Check, PERIOD, balances, every, reach, rest, travel};
+use crate::common::{Check, PERIOD, balances, every, reach, rest, travel};
 use nalgebra::{SMatrix, SVector, Vector3};
 use shapebot_control::estimator::{Payload, PayloadEstimator, PayloadSettings};
 use shapebot_control::{Controller, Error, Gains, State, Target};

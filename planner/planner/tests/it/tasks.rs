@@ -1,8 +1,8 @@
 //! Planning as a whole: what a plan promises, and what is refused.
 
-mod common;
-
-use common::robots::{CartPole, Equations, LinearArms, Planar, Robot, SPATIAL, Spatial, TABLE_I};
+use crate::common::robots::{
+    CartPole, Equations, LinearArms, Planar, Robot, SPATIAL, Spatial, TABLE_I,
+};
 use nalgebra::{Matrix2, Matrix2x6, SMatrix, SVector, Vector1, Vector2};
 use proptest::prelude::*;
 use shapebot_dynamics::{Description, Real, ShapeAccelerated};

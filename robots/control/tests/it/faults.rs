@@ -1,8 +1,6 @@
 //! What the controller does with what it cannot use.
 
-mod common;
-
-use common::{Check, World, every, rest, run, standing};
+use crate::common::{Check, World, every, rest, run, standing};
 use nalgebra::SVector;
 use shapebot_control::{Controller, Error, Gains, State, Target};
 use shapebot_dynamics::Robot;

@@ -1,9 +1,7 @@
 //! Arms against the reference: shares, constraints (Sec. IV-C) and refined plans along a line.
 
-mod common;
-
-use common::arms::PlanarArms;
-use common::robots::{Robot, TABLE_I};
+use crate::common::arms::PlanarArms;
+use crate::common::robots::{Robot, TABLE_I};
 use nalgebra::{Vector1, Vector3};
 use serde_json::Value;
 use shapebot_planner::motion::{DesiredMotion, Legs, Line, Rest};

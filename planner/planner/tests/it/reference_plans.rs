@@ -1,8 +1,6 @@
 //! Plans against an independent implementation of the paper's planner (Python and CasADi).
 
-mod common;
-
-use common::robots::{Ballbot, CartPole, Equations, Planar, Robot, Spatial, TABLE_I};
+use crate::common::robots::{Ballbot, CartPole, Equations, Planar, Robot, Spatial, TABLE_I};
 use nalgebra::{SMatrix, SVector};
 use serde_json::Value;
 use shapebot_dynamics::ShapeAccelerated;

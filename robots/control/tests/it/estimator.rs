@@ -1,8 +1,6 @@
 //! The estimator on readings made from simulated motions.
 
-mod common;
-
-use common::{Check, PERIOD, Plan, advance, balances, every, reach, rest, standing, travel};
+use crate::common::{Check, PERIOD, Plan, advance, balances, every, reach, rest, standing, travel};
 use nalgebra::{SMatrix, SVector, Vector3};
 use shapebot_control::estimator::{Estimate, Estimator, Reading, Settings};
 use shapebot_control::{Controller, Gains, State};

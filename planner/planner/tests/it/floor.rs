@@ -1,8 +1,6 @@
 //! The least error that any plan can have, where axes are coupled.
 
-mod common;
-
-use common::robots::{Equations, Robot, SPATIAL};
+use crate::common::robots::{Equations, Robot, SPATIAL};
 use nalgebra::{Matrix2, Vector2};
 use shapebot_dynamics::{Description, Real};
 use shapebot_planner::motion::Line;

@@ -50,7 +50,7 @@ fn two_generations_are_equal_to_the_byte() {
     }
     // Another process has other addresses and other hash seeds.
     let test = std::env::current_exe().expect("the path of this test");
-    let arguments = ["--exact", "two_generations_are_equal_to_the_byte", "--nocapture"];
+    let arguments = ["--exact", "emission::two_generations_are_equal_to_the_byte", "--nocapture"];
     let output =
         Command::new(test).args(arguments).env(CHILD, "1").output().expect("a second process");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();

@@ -4,8 +4,8 @@ use shapebot_codegen::derive::{Parameters, derive};
 use shapebot_codegen::{Build, BuildError};
 use shapebot_tests::models::checked;
 
-const SEGWAY_ABSOLUTE: &str = include_str!("data/segway_absolute.robot");
-const FREE_CHAIN: &str = include_str!("data/free_chain.robot");
+const SEGWAY_ABSOLUTE: &str = include_str!("../data/segway_absolute.robot");
+const FREE_CHAIN: &str = include_str!("../data/free_chain.robot");
 
 /// What a build script says about a model that it refuses.
 fn refusal(name: &str, text: &str) -> String {

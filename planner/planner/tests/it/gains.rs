@@ -1,8 +1,6 @@
 //! K⁰ and how the shape sets share the work.
 
-mod common;
-
-use common::robots::{CartPole, LinearArms, Robot, Spatial, TABLE_I};
+use crate::common::robots::{CartPole, LinearArms, Robot, Spatial, TABLE_I};
 use nalgebra::{Matrix2, Matrix2x6, SMatrix};
 use shapebot_planner::{Error, Weighting};
 
