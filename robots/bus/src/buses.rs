@@ -2,6 +2,8 @@
 
 use crate::{Bus, BusError, ErrorState, Frame, Health, Received};
 use shapebot_drive::Fault;
+#[cfg(unix)]
+use std::time::Duration;
 
 /// All buses of a drive, as one party sees them.
 pub trait Buses {
@@ -66,7 +68,8 @@ pub trait Buses {
     }
 }
 
-/// Longest wait for one of several buses before the others are looked at, µs.
+/// Longest wait for one of several buses that cannot be waited for together, before the others are looked
+/// at, µs.
 const TURN: u64 = 100;
 
 /// Buses in real time, each with a clock of its own.
@@ -88,6 +91,20 @@ impl Wired {
     pub fn new(buses: Vec<Box<dyn Bus>>) -> Self {
         let starts = buses.iter().map(|bus| bus.now()).collect();
         Self { buses, starts }
+    }
+
+    /// Waits for a frame of any of two buses, `micros` at most; false if they cannot be waited for
+    /// together.
+    fn wait_for_either(&self, micros: u64) -> Result<bool, BusError> {
+        #[cfg(unix)]
+        if let [one, two] = self.buses.as_slice()
+            && let (Some(one), Some(two)) = (one.descriptor(), two.descriptor())
+        {
+            let waited = crate::wait::either_readable([one, two], Duration::from_micros(micros));
+            return waited.map(|()| true).map_err(|error| BusError::io("buses", error));
+        }
+        let _ = micros;
+        Ok(false)
     }
 
     fn look(&mut self, index: usize, deadline: u64) -> Result<Option<(usize, Received)>, BusError> {
@@ -129,6 +146,9 @@ impl Buses for Wired {
             if now >= deadline || self.buses.is_empty() {
                 return Ok(None);
             }
+            if self.wait_for_either(deadline - now)? {
+                continue;
+            }
             let until = if self.buses.len() == 1 { deadline } else { deadline.min(now + TURN) };
             if let Some(found) = self.look(0, until)? {
                 return Ok(Some(found));
@@ -138,5 +158,75 @@ impl Buses for Wired {
 
     fn health(&self, bus: usize) -> Health {
         self.buses.get(bus).map(|bus| bus.health()).unwrap_or_default()
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::{Buses, Wired};
+    use crate::{Bus, BusError, Frame, Received};
+    use std::cell::Cell;
+    use std::io::{Read, Write};
+    use std::os::fd::{AsFd, BorrowedFd};
+    use std::os::unix::net::UnixStream;
+    use std::rc::Rc;
+    use std::time::{Duration, Instant};
+
+    /// A frame for each byte of a stream; counts how often it is asked.
+    struct Bytes {
+        stream: UnixStream,
+        start: Instant,
+        asked: Rc<Cell<u32>>,
+    }
+
+    impl Bus for Bytes {
+        fn now(&self) -> u64 {
+            self.start.elapsed().as_micros() as u64
+        }
+
+        fn send(&mut self, _: &Frame) -> Result<(), BusError> {
+            Ok(())
+        }
+
+        fn receive(&mut self, _: u64) -> Result<Option<Received>, BusError> {
+            self.asked.set(self.asked.get() + 1);
+            let mut byte = [0];
+            let found = self.stream.read(&mut byte).is_ok_and(|count| count == 1);
+            let received = Received { frame: Frame::new(byte[0].into(), &[]), time: self.now() };
+            Ok(found.then_some(received))
+        }
+
+        fn descriptor(&self) -> Option<BorrowedFd<'_>> {
+            Some(self.stream.as_fd())
+        }
+    }
+
+    #[test]
+    fn two_buses_are_waited_for_together() {
+        let (asked, start) = (Rc::new(Cell::new(0)), Instant::now());
+        let (mut far, mut buses): (Vec<UnixStream>, Vec<Box<dyn Bus>>) = (Vec::new(), Vec::new());
+        for _ in 0..2 {
+            let (here, there) = UnixStream::pair().unwrap();
+            here.set_nonblocking(true).unwrap();
+            buses.push(Box::new(Bytes { stream: here, start, asked: asked.clone() }));
+            far.push(there);
+        }
+        let mut wired = Wired::new(buses);
+        let deadline = wired.now() + 20_000;
+        assert!(wired.receive(deadline).unwrap().is_none());
+        assert!(wired.now() >= deadline);
+        let mut second = far.remove(1);
+        let sender = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(20));
+            second.write_all(&[0x12]).unwrap();
+            second
+        });
+        let deadline = wired.now() + 10_000_000;
+        let (bus, received) = wired.receive(deadline).unwrap().expect("a frame");
+        assert_eq!((bus, received.frame.standard_id()), (1, Some(0x12)));
+        assert!(wired.now() < deadline);
+        // A few times each, and not all the while.
+        assert!(asked.get() <= 16, "asked {} times", asked.get());
+        drop(sender.join());
     }
 }

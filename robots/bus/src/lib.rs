@@ -64,6 +64,9 @@ pub use virtual_bus::{
     Effect, EndpointId, Event, EventKind, Limits, Observer, Port, Rule, Select, VirtualBus,
 };
 
+#[cfg(all(unix, feature = "std"))]
+use std::os::fd::BorrowedFd;
+
 /// A frame and when it came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Received {
@@ -124,6 +127,12 @@ pub trait Bus {
     fn health(&self) -> Health {
         Health::default()
     }
+
+    /// What becomes readable when a frame comes; `None` unless that is all that there is to wait for.
+    #[cfg(unix)]
+    fn descriptor(&self) -> Option<BorrowedFd<'_>> {
+        None
+    }
 }
 
 #[cfg(feature = "std")]
@@ -142,5 +151,10 @@ impl<B: Bus + ?Sized> Bus for Box<B> {
 
     fn health(&self) -> Health {
         (**self).health()
+    }
+
+    #[cfg(unix)]
+    fn descriptor(&self) -> Option<BorrowedFd<'_>> {
+        (**self).descriptor()
     }
 }

@@ -35,6 +35,11 @@ impl<B: Bus> Bus for Slowed<B> {
     fn health(&self) -> Health {
         self.bus.health()
     }
+
+    #[cfg(unix)]
+    fn descriptor(&self) -> Option<std::os::fd::BorrowedFd<'_>> {
+        self.bus.descriptor()
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Linux SocketCAN.
 
 use std::io::ErrorKind;
+use std::os::fd::{AsFd, BorrowedFd};
 use std::time::{Duration, Instant};
 
 use socketcan::{
@@ -134,6 +135,10 @@ impl Bus for SocketBus {
 
     fn health(&self) -> Health {
         self.health
+    }
+
+    fn descriptor(&self) -> Option<BorrowedFd<'_>> {
+        Some(self.socket.as_fd())
     }
 }
 

@@ -129,4 +129,9 @@ impl<P: Read + Write + Wait> Bus for Slcan<P> {
     fn health(&self) -> Health {
         self.health
     }
+
+    #[cfg(unix)]
+    fn descriptor(&self) -> Option<std::os::fd::BorrowedFd<'_>> {
+        self.lines.descriptor()
+    }
 }

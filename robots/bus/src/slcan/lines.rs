@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
+#[cfg(unix)]
+use std::os::fd::BorrowedFd;
 use std::time::{Duration, Instant};
 
 use super::codec::{Decoder, Text, Token};
@@ -18,6 +20,12 @@ pub trait Wait {
     ///
     /// Whatever the system says.
     fn wait(&self, timeout: Duration) -> io::Result<()>;
+
+    /// What becomes readable when bytes are there, if there is such a thing.
+    #[cfg(unix)]
+    fn descriptor(&self) -> Option<BorrowedFd<'_>> {
+        None
+    }
 }
 
 /// A port whose reads do not block, asked again after a short sleep.
@@ -111,6 +119,12 @@ impl<P: Read + Write + Wait> Lines<P> {
             Err(error) if is_not_now(&error) || error.kind() == ErrorKind::Interrupted => Ok(false),
             Err(error) => Err(BusError::io(&self.place, error)),
         }
+    }
+
+    /// That of the port, unless bytes could not be written and want another try.
+    #[cfg(unix)]
+    pub(super) fn descriptor(&self) -> Option<BorrowedFd<'_>> {
+        if self.outbox.is_empty() { self.port.descriptor() } else { None }
     }
 
     /// Waits for bytes up to `deadline`, µs; false if it has passed.
