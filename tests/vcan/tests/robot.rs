@@ -27,8 +27,8 @@ goal = "0.5 m"
 duration = "3 s"
 "#;
 
-/// How many times slower time may run before a computer is too busy for this test.
-const PACES: [u32; 3] = [1, 3, 9];
+/// How many times slower time may run before a computer is too busy for this test; at full pace twice.
+const PACES: [u32; 4] = [1, 1, 3, 9];
 
 /// Faults that say that a process did not run when it should have.
 const LATE: [&str; 5] = ["SyncJitter", "MissedInputs", "ControllerSilent", "8700)", "8250)"];
@@ -40,8 +40,9 @@ fn drive() -> DriveDescription {
     source.check(robot.description()).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
-/// Lateness that both programs forgive, ms of the bus.
-const SLACK: u32 = 20;
+/// Lateness that both programs forgive, ms of the bus: where others are kept from the processor, Linux takes
+/// it from what runs under SCHED_FIFO for 50 ms of each second.
+const SLACK: u32 = 60;
 
 /// Both programs at a pace, `candump -L` beside them, which has the lowest right to the processor and gets
 /// room for what it takes late. The log is in memory until the end: writing to the host's files takes time.
