@@ -4,11 +4,8 @@
 mod common;
 mod traffic;
 
-use common::{can_utils, folder, on_vcan, user_mode_linux};
+use common::{TASK, can_utils, drive, folder, on_vcan, user_mode_linux};
 use shapebot_drive::{DriveTable, Role};
-use shapebot_drive_build::{DriveDescription, Source};
-use shapebot_dynamics::LagrangianSystem as _;
-use shapebot_generated::ballbot_planar::BallbotPlanar;
 use shapebot_tests::copies::{build_folder, cargo_output, write_if_changed};
 use shapebot_tests::environment::{say, skip};
 use std::fs;
@@ -17,19 +14,6 @@ use std::process::Command;
 use traffic::Traffic;
 
 const ROBOT: &str = "ballbot_planar";
-
-/// A planar ballbot goes half a metre.
-const TASK: &str = r#"
-title = "Half a metre"
-robot = "ballbot_planar"
-method = "refined"
-samples = 301
-
-[motion]
-kind = "line"
-goal = "0.5 m"
-duration = "3 s"
-"#;
 
 /// Lateness that is forgiven, in ms and cycles of the drive's limits: the program has a pace of its own, and
 /// on a busy computer Linux keeps 50 ms of each second for programs without SCHED_FIFO.
@@ -56,12 +40,6 @@ fn shapebot(folder: &Path, arguments: &[&str]) {
 fn drive_text() -> String {
     let text = shapebot_drives::text(ROBOT).expect("a drive");
     text.replace("[timing]\n", TIMES).replace("[safety]\n", CYCLES)
-}
-
-fn drive(text: &str) -> DriveDescription {
-    let source = Source::parse("drive", text).unwrap_or_else(|errors| panic!("{errors}"));
-    let robot = BallbotPlanar::<f64>::from_model();
-    source.check(robot.description()).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
 /// Copies all files below a folder, those that differ.

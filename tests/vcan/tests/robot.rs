@@ -3,42 +3,19 @@
 mod common;
 mod traffic;
 
-use common::{can_utils, folder, on_vcan};
+use common::{TASK, can_utils, drive, folder, on_vcan};
 use shapebot_bus::candump;
 use shapebot_drive::DriveTable;
-use shapebot_drive_build::{DriveDescription, Source};
-use shapebot_dynamics::LagrangianSystem as _;
-use shapebot_generated::ballbot_planar::BallbotPlanar;
 use shapebot_tests::environment::say;
 use std::fs;
 use std::path::Path;
 use traffic::Traffic;
-
-/// A planar ballbot goes half a metre.
-const TASK: &str = r#"
-title = "Half a metre"
-robot = "ballbot_planar"
-method = "refined"
-samples = 301
-
-[motion]
-kind = "line"
-goal = "0.5 m"
-duration = "3 s"
-"#;
 
 /// How many times slower time may run before a computer is too busy for this test; at full pace twice.
 const PACES: [u32; 4] = [1, 1, 3, 9];
 
 /// Faults that say that a process did not run when it should have.
 const LATE: [&str; 5] = ["SyncJitter", "MissedInputs", "ControllerSilent", "8700)", "8250)"];
-
-fn drive() -> DriveDescription {
-    let text = shapebot_drives::text("ballbot_planar").expect("a drive");
-    let source = Source::parse("ballbot_planar", text).expect("a drive");
-    let robot = BallbotPlanar::<f64>::from_model();
-    source.check(robot.description()).unwrap_or_else(|errors| panic!("{errors}"))
-}
 
 /// Lateness that both programs forgive, ms of the bus: where others are kept from the processor, Linux takes
 /// it from what runs under SCHED_FIFO for 50 ms of each second.
@@ -82,7 +59,7 @@ fn a_robot_is_driven_over_socketcan() {
     }
     let folder = folder("robot");
     fs::write(folder.join("walk.toml"), TASK).expect("the task");
-    let description = drive();
+    let description = drive(shapebot_drives::text("ballbot_planar").expect("a drive"));
     let tables = description.tables();
     let table = tables.table();
     for pace in PACES {
@@ -115,7 +92,7 @@ const CYCLE: [&str; 6] = [
 
 /// A log of cycles of 2 ms, each with these frames.
 fn log(cycles: &[&[&str]]) -> Traffic {
-    let description = drive();
+    let description = drive(shapebot_drives::text("ballbot_planar").expect("a drive"));
     let tables = description.tables();
     let mut entries = Vec::new();
     for (k, frames) in cycles.iter().enumerate() {

@@ -1,10 +1,33 @@
 //! Shell commands in user-mode Linux with vcan0 up.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
+use shapebot_drive_build::{DriveDescription, Source};
+use shapebot_dynamics::LagrangianSystem as _;
+use shapebot_generated::ballbot_planar::BallbotPlanar;
 use shapebot_tests::copies::build_folder;
 use shapebot_tests::environment::{root, skip};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+
+/// A planar ballbot goes half a metre.
+pub(crate) const TASK: &str = r#"
+title = "Half a metre"
+robot = "ballbot_planar"
+method = "refined"
+samples = 301
+
+[motion]
+kind = "line"
+goal = "0.5 m"
+duration = "3 s"
+"#;
+
+/// The planar ballbot's drive from a description.
+pub(crate) fn drive(text: &str) -> DriveDescription {
+    let source = Source::parse("drive", text).unwrap_or_else(|errors| panic!("{errors}"));
+    let robot = BallbotPlanar::<f64>::from_model();
+    source.check(robot.description()).unwrap_or_else(|errors| panic!("{errors}"))
+}
 
 /// A new folder for what a test writes.
 pub(crate) fn folder(name: &str) -> PathBuf {
