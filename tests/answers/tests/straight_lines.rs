@@ -56,11 +56,14 @@ fn cycle(master: &mut Master<'_>, came: &[(usize, Frame)], forces: &[f32], now: 
     sent
 }
 
-/// Numbers that a sound robot may send, small where the master would complain, and at times none at all.
-fn made_up(entry: &Entry, random: &mut impl Rng) -> i64 {
-    let within: f32 = match entry.signal {
-        Signal::Coordinate(_) | Signal::Rate(_) => 0.01,
-        Signal::Position => return 0,
+/// Numbers that a sound robot may send, small where the master would complain. Both drives of a pair go
+/// alike, each with the sign of its motor.
+fn made_up(node: &NodeTable<'_>, axes: &[i64; 8], entry: &Entry, random: &mut impl Rng) -> i64 {
+    let within: f32 = match (entry.signal, node.motor) {
+        (Signal::Position, Some(motor)) => {
+            return axes[usize::from(motor.axis)] * i64::from(motor.sign);
+        }
+        (Signal::Coordinate(_) | Signal::Rate(_), _) => 0.01,
         _ => 0.2,
     };
     (random.random_range(-within..within) / entry.scale) as i64
@@ -80,7 +83,7 @@ fn straight_lines_do_what_tables_say() {
         let mut masters = [Master::new(table), Master::new(&interpreted)];
         let mut answers = Nodes::new(table);
         let mut random = ChaCha8Rng::seed_from_u64(1);
-        let (mut sent, mut moving) = (Vec::new(), 0);
+        let (mut sent, mut moving, mut axes) = (Vec::new(), 0, [0; 8]);
         for at in 0..4000_u64 {
             let now = at * u64::from(table.timing.period_us);
             let mut came: Vec<_> = sent
@@ -88,10 +91,13 @@ fn straight_lines_do_what_tables_say() {
                 .flat_map(|frame| (0..table.buses.len()).map(move |bus| (bus, frame)))
                 .filter_map(|(bus, frame)| Some((bus, answers.hear(bus, frame)?)))
                 .collect();
-            let value = |_: usize, entry: &Entry| made_up(entry, &mut random);
+            for axis in &mut axes {
+                *axis += random.random_range(-60..=60);
+            }
+            let value =
+                |node: usize, entry: &Entry| made_up(&table.nodes[node], &axes, entry, &mut random);
             answers.sample(value, |bus, frame| came.push((bus, frame)));
-            came.extend(answers.heartbeats());
-            // In the end anything, in sound and broken lengths.
+            // In the end anything, in sound and broken lengths, of nodes that stay alive.
             if at > 3000 {
                 for (_, frame) in &mut came {
                     let bytes: [u8; 8] = random.random();
@@ -99,6 +105,7 @@ fn straight_lines_do_what_tables_say() {
                     *frame = Frame::new(frame.standard_id().unwrap_or(0), &bytes[..len]);
                 }
             }
+            came.extend(answers.heartbeats());
             let forces: [f32; 8] = std::array::from_fn(|_| random.random_range(-30.0..30.0));
             let [own, other] = masters.each_mut().map(|it| cycle(it, &came, &forces, now));
             assert_eq!(own, other, "{}, cycle {at}", table.name);
@@ -122,5 +129,7 @@ fn straight_lines_do_what_tables_say() {
         }
         assert!(moving > 1000, "{}: {moving} cycles of balancing", table.name);
         assert!(masters[0].faults().any(), "{}: random frames are faults", table.name);
+        let alive = (0..table.nodes.len()).filter(|node| masters[0].is_alive(*node)).count();
+        assert_eq!(alive, table.nodes.len(), "{}: random frames were read to the end", table.name);
     }
 }
