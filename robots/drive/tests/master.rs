@@ -4,7 +4,7 @@ mod common;
 
 use common::{INERTIA, PLANAR, Run, SPATIAL, description};
 use shapebot_bus::Frame;
-use shapebot_drive::Fault;
+use shapebot_drive::{Command, Fault};
 use shapebot_drive::safety::{Request, State};
 use shapebot_nodes::NodeFault;
 
@@ -81,6 +81,40 @@ fn torques_are_slewed_clamped_and_never_not_a_number() {
         run.reach(State::LegsDown, 1_000_000);
         run.pass(50_000);
         assert_eq!(run.master.state(), State::LegsDown);
+    });
+}
+
+/// The last statusword makes the drives enabled; forces that come with it were meant for a robot on its
+/// legs.
+#[test]
+fn forces_given_before_the_state_permits_torque_are_not_sent() {
+    planar(|run| {
+        run.reach(State::LegsDown, 3_000_000);
+        run.pass(20_000);
+        run.ask(Request::Start);
+        let end = run.now() + 1_000_000;
+        let (mut early, mut sent) = (run.master.clone(), Vec::new());
+        while early.state() != State::Rising {
+            assert!(run.now() < end && run.master.state() == State::Enabling);
+            let wake = run.master.next_wake().max(run.now() + 1);
+            if let Some((bus, received)) = run.network.receive(wake) {
+                run.master.receive(bus, &received.frame, run.now());
+            }
+            early = run.master.clone();
+            sent.clear();
+            early.command(&Command::new(&[10.0]), run.now(), &mut |_, frame| sent.push(frame));
+            run.act();
+        }
+        let torques: Vec<&[u8]> = sent
+            .iter()
+            .filter(|frame| frame.standard_id().is_some_and(|id| id & !3 == 0x200))
+            .map(|frame| &frame.bytes()[..2])
+            .collect();
+        assert_eq!(torques, [[0, 0]; 2]);
+        assert_eq!(early.torque_counts(0), 0);
+        run.forces = vec![10.0];
+        run.pass(4_000);
+        assert_eq!(run.sent_torque(0, 0x201), 299);
     });
 }
 

@@ -147,8 +147,8 @@ impl<'a> Bench<'a> {
     }
 
     fn command(&mut self, force: f32) {
-        let (before, from) = (self.master.state(), self.sent.len());
         let _ = self.master.measure(self.now);
+        let (before, from) = (self.master.state(), self.sent.len());
         let command = Command::new(&[force, -force, force]);
         let sent = &mut self.sent;
         self.master.command(&command, self.now, &mut |bus, frame| sent.push((bus, frame)));

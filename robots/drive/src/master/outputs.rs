@@ -80,7 +80,8 @@ impl Master<'_> {
     /// Takes the controller's forces and sends them; drives apply them at the next SYNC.
     ///
     /// One number for each axis goes to all of its drives (Eq. 13). Where the state forbids torque, or a
-    /// force is not finite, all are zero.
+    /// force is not finite, all are zero; so are forces that were given in such a state, though this call
+    /// may leave it.
     pub fn command(&mut self, command: &Command, now: u64, out: &mut dyn FnMut(usize, Frame)) {
         if self.counters.cycles == 0 || self.commanded {
             return;
@@ -93,11 +94,12 @@ impl Master<'_> {
         if let Some(yaw) = &self.table.yaw {
             self.turn(yaw, &mut forces);
         }
-        if self.state.permits_torque() && !forces.iter().all(|force| force.is_finite()) {
+        let meant = self.state.permits_torque();
+        if meant && !forces.iter().all(|force| force.is_finite()) {
             self.raise(Fault::NotFinite, None, now, 0);
         }
         self.step(now);
-        if self.state.permits_torque() && !self.faults.has(Fault::NotFinite) {
+        if meant && self.state.permits_torque() && !self.faults.has(Fault::NotFinite) {
             self.apply(&forces);
         } else {
             self.zero();

@@ -206,7 +206,8 @@ impl<'a> Run<'a> {
         false
     }
 
-    fn act(&mut self) {
+    /// What the master's caller does after each frame and when it is woken.
+    pub(crate) fn act(&mut self) {
         let now = self.now();
         let mut out = Vec::new();
         self.master.poll(now, &mut |bus, frame| out.push((bus, frame)));
