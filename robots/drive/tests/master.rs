@@ -4,8 +4,8 @@ mod common;
 
 use common::{INERTIA, PLANAR, Run, SPATIAL, description};
 use shapebot_bus::Frame;
-use shapebot_drive::{Command, Fault};
 use shapebot_drive::safety::{Request, State};
+use shapebot_drive::{Command, Fault};
 use shapebot_nodes::NodeFault;
 
 /// Runs a test with the planar ballbot's bundled drive.
