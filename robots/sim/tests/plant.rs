@@ -1,7 +1,7 @@
 //! The plant against physics: energy, momentum, forces computed by hand, another integrator.
 
+use ivp::prelude::{FirstOrderSystem, Ivp, Method};
 use nalgebra::{SVector, Vector2, Vector3};
-use ode_solvers::{DVector, Dop853, OutputType, System};
 use shapebot_control::State;
 use shapebot_dynamics::{LagrangianSystem, Robot};
 use shapebot_generated::ballbot_planar::BallbotPlanar;
@@ -100,23 +100,17 @@ fn drive<const N: usize>(system: &dyn LagrangianSystem<f64, N>, time: f64) -> SV
     force
 }
 
-impl<R, const N: usize, const NX: usize, const NS: usize> System<f64, DVector<f64>>
+impl<R, const N: usize, const NX: usize, const NS: usize> FirstOrderSystem
     for Smooth<'_, R, N, NX, NS>
 where
     R: LagrangianSystem<f64, N>,
 {
-    /// Time is the last entry of y: the method's twelfth node is wrong in the crate's 0.6.2, which only
-    /// systems that depend on time otherwise notice.
-    fn system(&self, _: f64, y: &DVector<f64>, dy: &mut DVector<f64>) {
-        let time = y[2 * N];
+    fn derivative(&self, time: f64, y: &[f64], dy: &mut [f64]) {
         let state =
             State { q: SVector::from_fn(|i, _| y[i]), qd: SVector::from_fn(|i, _| y[N + i]) };
         let acceleration = self.plant.acceleration(time, &state, &drive(self.robot, time));
-        for i in 0..N {
-            dy[i] = state.qd[i];
-            dy[N + i] = acceleration[i];
-        }
-        dy[2 * N] = 1.0;
+        dy[..N].copy_from_slice(state.qd.as_slice());
+        dy[N..].copy_from_slice(acceleration.as_slice());
     }
 }
 
@@ -133,20 +127,12 @@ fn agrees_with_an_adaptive_method<R, const N: usize, const NX: usize, const NS: 
     let scenario = Scenario::<NX, NS> { drive: drag, contact: drag, ..Scenario::default() };
     let plant = Plant::new(robot, robot, &scenario, STEP).expect("a plant");
     let start = somewhere(robot);
-    let joined = DVector::from_fn(2 * N + 1, |i, _| match i {
-        i if i < N => start.q[i],
-        i if i < 2 * N => start.qd[i - N],
-        _ => 0.0,
-    });
+    let joined = [start.q.as_slice(), start.qd.as_slice()].concat();
     let smooth = Smooth { plant: &plant, robot };
-    // Every step is put out, so that the last one is the end; all else is the method's default.
-    let (sparse, end) = (OutputType::Sparse, 0.2);
-    let mut adaptive = Dop853::from_param(
-        smooth, 0.0, end, end, joined, 1e-11, 1e-13, 0.9, 0.0, 0.333, 6.0, end, 0.0, 100_000, 1000,
-        sparse,
-    );
-    adaptive.integrate().unwrap_or_else(|error| panic!("{name}: {error}"));
-    let end = adaptive.y_out().last().expect("an end");
+    let adaptive = Ivp::first_order(&smooth, 0.0, 0.2, &joined).method(Method::DOP853);
+    let solution = adaptive.rtol(1e-11).atol(1e-13).solve();
+    let solution = solution.unwrap_or_else(|error| panic!("{name}: {error:?}"));
+    let end = solution.y.last().expect("an end");
     // Ours with the drive's force taken at the middle of ever shorter steps: second order in them.
     let ours = |step: f64| {
         let plant = Plant::new(robot, robot, &scenario, step).expect("a plant");

@@ -1,5 +1,4 @@
 //! Firmware on an emulated Cortex-M4F balances and drives the simulated ballbot over slcan, in lockstep.
-#![cfg(unix)]
 
 use shapebot_bus::slcan::codec::{Decoder, Reply, Token, encode, reply};
 use shapebot_drive::Frame;
