@@ -108,12 +108,15 @@ fn delay_and_noise() {
         lean_rate_noise: 0.3_f64.to_radians(),
         ..Sensors::default()
     };
-    let noisy = under("noise", &Scenario { sensors, seed: 1, ..Scenario::default() });
-    assert_within(&noisy, 0.002);
+    let noisy = [0, 1, 2].map(|seed| {
+        let noisy = Scenario { sensors, seed, ..Scenario::default() };
+        under(&format!("noise of seed {seed}"), &noisy)
+    });
+    noisy.iter().for_each(|noisy| assert_within(noisy, 0.002));
     // The conditions are there.
     let last = PLANS.last().expect("a task");
     let nominal = one("nominal", (&ROBOT, &Scenario::default()), &gains(), &SHORT, last);
-    for others in [delayed, noisy] {
+    for others in noisy.iter().chain([&delayed]) {
         let other = others.last().expect("a run").outcome().plan_rmse;
         assert!(other > 1.5 * nominal.outcome().plan_rmse, "{other} m, {nominal}");
     }
