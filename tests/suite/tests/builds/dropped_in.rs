@@ -69,8 +69,9 @@ fn the_tests_find_it(folder: &Path, target: &Path) {
 
 fn the_docs_find_it(folder: &Path, target: &Path) {
     let doc = ["doc", "--quiet", "--offline", "--no-deps", "-p", "shapebot-generated"];
-    // Beside a crate that reads TOML, so that the generator has the features it was built with above.
-    let _ = cargo(folder, target, &[&doc[..], &["-p", "shapebot-drive-build"]].concat(), "");
+    // Beside a crate whose build script reads TOML, so that the generator has the features it was built
+    // with above.
+    let _ = cargo(folder, target, &[&doc[..], &["-p", "shapebot-answers"]].concat(), "");
     let page = target.join(format!("doc/shapebot_generated/{COPY}/index.html"));
     let page = std::fs::read_to_string(&page).unwrap_or_else(|e| panic!("{}: {e}", page.display()));
     for coordinate in ["alpha_l_x", "phi_y"] {
