@@ -1,6 +1,6 @@
 //! Copies of parts of the checkout, and cargo in them.
 
-use crate::environment::{files, root};
+use crate::environment::{files, read, root};
 use std::collections::BTreeSet;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -51,6 +51,23 @@ fn remove_others(target: &Path, folder: &Path, files: &BTreeSet<String>) {
             std::fs::remove_file(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         }
     }
+}
+
+/// Makes `folder` a copy of a crate of `tests/` that is outside of the workspace, built from the checkout and
+/// with the versions of its lock, so that nothing has to be downloaded.
+///
+/// # Panics
+///
+/// If a file cannot be copied.
+pub fn copy_crate(name: &str, files: &[&str], folder: &Path) {
+    for file in files {
+        let mut text = read(&format!("tests/{name}/{file}"));
+        if *file == "Cargo.toml" {
+            text = text.replace("../..", &root().to_string_lossy().replace('\\', "/"));
+        }
+        write_if_changed(&folder.join(file), text.as_bytes());
+    }
+    write_if_changed(&folder.join("Cargo.lock"), read("Cargo.lock").as_bytes());
 }
 
 /// A folder of the build that runs these tests, by its name: `<target>/foreign`.

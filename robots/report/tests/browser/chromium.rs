@@ -64,7 +64,9 @@ impl Browser {
         let picture = self.folder.path().join("picture.png");
         let to = format!("--screenshot={}", picture.display());
         let size = "--window-size=1200,1400";
-        let actions = [to.as_str(), size, "--hide-scrollbars", "--virtual-time-budget=5000"];
+        // A busy machine must not take it before the renderer has shown its first picture.
+        let whole = "--run-all-compositor-stages-before-draw";
+        let actions = [to.as_str(), size, whole, "--hide-scrollbars", "--virtual-time-budget=5000"];
         let mut child = self.open(page, options, &actions);
         let ended = wait(|| child.try_wait().expect("a child"));
         let _ = child.kill();

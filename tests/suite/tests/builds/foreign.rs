@@ -1,7 +1,7 @@
 //! Somebody else's crate, outside of this workspace, that follows the README.
 
-use shapebot_tests::copies::{build_folder, cargo, write_if_changed};
-use shapebot_tests::environment::{read, root};
+use shapebot_tests::copies::{build_folder, cargo, copy_crate};
+use shapebot_tests::environment::read;
 
 const FILES: [&str; 4] = ["Cargo.toml", "build.rs", "src/main.rs", "models/my_robot.robot"];
 
@@ -17,15 +17,7 @@ fn expected() -> [f64; 7] {
 #[test]
 fn five_lines_of_build_script_make_a_robot() {
     let (folder, target) = (build_folder("foreign/crate"), build_folder("foreign/target"));
-    for file in FILES {
-        let mut text = read(&format!("tests/foreign/{file}"));
-        if file == "Cargo.toml" {
-            text = text.replace("../..", &root().to_string_lossy().replace('\\', "/"));
-        }
-        write_if_changed(&folder.join(file), text.as_bytes());
-    }
-    // The same versions, so that nothing has to be downloaded.
-    write_if_changed(&folder.join("Cargo.lock"), read("Cargo.lock").as_bytes());
+    copy_crate("foreign", &FILES, &folder);
     let printed = cargo(&folder, &target, &["run", "--quiet", "--offline"], "");
     let numbers: Vec<f64> = printed.lines().map(|line| line.parse().expect("a number")).collect();
     assert_eq!(numbers.len(), 16, "{printed}");

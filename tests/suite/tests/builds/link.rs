@@ -1,24 +1,12 @@
 //! What runs on a robot links without a standard library, a heap and a reachable panic.
 
-use shapebot_tests::copies::{build_folder, cargo, write_if_changed};
-use shapebot_tests::environment::{read, root, skip};
+use shapebot_tests::copies::{build_folder, cargo, copy_crate};
+use shapebot_tests::environment::skip;
 use std::path::Path;
 use std::process::{Command, Output};
 
 const FILES: [&str; 6] =
     ["Cargo.toml", "src/lib.rs", "src/drive.rs", "src/plan.rs", "src/runtime.rs", "memory.c"];
-
-/// A copy of `tests/link` that is built with the versions of the checkout's lock.
-fn copy(folder: &Path) {
-    for file in FILES {
-        let mut text = read(&format!("tests/link/{file}"));
-        if file == "Cargo.toml" {
-            text = text.replace("../..", &root().to_string_lossy().replace('\\', "/"));
-        }
-        write_if_changed(&folder.join(file), text.as_bytes());
-    }
-    write_if_changed(&folder.join("Cargo.lock"), read("Cargo.lock").as_bytes());
-}
 
 /// Builds the library with `features` and links it with nothing but `memory.c`.
 fn link(folder: &Path, target: &Path, features: &str) -> Output {
@@ -41,7 +29,7 @@ fn no_panic_is_reachable_and_a_planted_one_is_found() {
         return skip("link", "no gcc, with which to link a program from scratch");
     }
     let (folder, target) = (build_folder("link/crate"), build_folder("link/target"));
-    copy(&folder);
+    copy_crate("link", &FILES, &folder);
     let output = link(&folder, &target, "");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "see tests/link/README.md\n{errors}");
